@@ -87,5 +87,5 @@ def _step_slope(cycles: Array, logarithms: Array) -> float:
     """
     if cycles.min() * MIN_REFINEMENT > cycles.max():
         return math.inf
-    slope = np.polyfit(1.0 / cycles, logarithms, 1, w=np.sqrt(cycles))[0]
+    slope, _ = np.polyfit(1.0 / cycles, logarithms, 1, w=np.sqrt(cycles))
     return STEP_SAFETY * abs(float(slope))

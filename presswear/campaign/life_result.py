@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from presswear.campaign.life_estimate import LifeEstimate, estimate_life
-from presswear.campaign.refinement import Refinement, Refinements
+from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import LifeProblem
 from presswear.recording.statistics import quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
+from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import large
@@ -38,21 +39,15 @@ def life_by_rate(
 ) -> LifeResult | None:
     """Return the life by the wear rate of the last load block, without an error.
 
-    None while that block ends a service interval, or no limit on the surfaces comes
-    closer.
+    None if that block begins a service interval, or if no limited quantity of the surfaces
+    grows.
     """
     before, last = refinements[-1].blocks[-2:]
-    strokes = last.strokes - before.strokes
     life = life_result(scene, problem, refinements)
     limits = []
-    for limit, item in zip(problem.limits, life.limits, strict=True):
-        at = None
-        if limit.key in last.levels and before.interval == last.interval:
-            value = float(last.levels[limit.key].mean())
-            growth = value - float(before.levels[limit.key].mean())
-            if growth > 0.0:
-                at = last.strokes + strokes * (limit.value - value) / growth
-        limits.append(replace(item, strokes=at, sampling=None, step=None))
+    for limit, limit_result in zip(problem.limits, life.limits, strict=True):
+        strokes = _strokes_by_rate(limit, before, last)
+        limits.append(replace(limit_result, strokes=strokes, sampling=None, step=None))
     reached = [limit.strokes for limit in limits if limit.strokes is not None]
     first = min(reached, default=math.inf)
     if first > problem.at_most:
@@ -65,6 +60,18 @@ def life_by_rate(
         strokes=first,
         limits=tuple(limits),
     )
+
+
+def _strokes_by_rate(limit: Limit, before: LoadBlock, last: LoadBlock) -> float | None:
+    """Return the strokes at which a quantity of the surfaces reaches its limit, linearly."""
+    if limit.key not in last.levels or before.interval != last.interval:
+        return None
+    value = float(last.levels[limit.key].mean())
+    growth = value - float(before.levels[limit.key].mean())
+    if growth <= 0.0:
+        return None
+    strokes = last.strokes - before.strokes
+    return last.strokes + strokes * (limit.value - value) / growth
 
 
 def _finite(value: float) -> float | None:
@@ -87,7 +94,9 @@ def life_result(
     # low together.
     joints = scene.wearing_joints
     worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
-    services = problem.services[: end.interval]
+    services = []
+    for service in problem.services[: end.interval]:
+        services.append(f"{service.words} after {service.strokes:.4g} strokes")
     return LifeResult(
         ended=ended,
         message=message,
@@ -97,10 +106,7 @@ def life_result(
         scatter=quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
         limits=_limit_results(problem, refinements, life),
         refinements=_refinement_results(problem, refinements, life),
-        services=tuple(
-            f"{service.words} after {service.strokes:.4g} strokes"
-            for service in services
-        ),
+        services=tuple(services),
         curves=_curves(last),
         settled=tuple(block.settled for block in last.blocks if block.cycles),
     )
@@ -129,20 +135,20 @@ def _limit_results(
     last = refinements[-1]
     limits = []
     for limit in problem.limits:
-        item = estimate_life(refinements, [limit])
+        limit_life = estimate_life(refinements, [limit])
         if last.crossing([limit]) == last.crossing(problem.limits):
             # The same limit ends the life: all refinements count, also coarser ones
             # that another limit ended.
-            item = life
+            limit_life = life
         value, half_width = last.band(limit.key)
         limits.append(
             LimitResult(
                 key=limit.key,
                 unit=limit.unit,
                 value=limit.value,
-                strokes=_finite(item.strokes),
-                sampling=_finite(item.sampling),
-                step=_finite(item.step),
+                strokes=_finite(limit_life.strokes),
+                sampling=_finite(limit_life.sampling),
+                step=_finite(limit_life.step),
                 last=float(value[-1]),
                 last_half_width=float(half_width[-1]),
             )
@@ -182,8 +188,10 @@ def _curves(last: Refinement) -> dict[str, Array]:
     """
     curves = {"strokes": last.strokes}
     for key in (*last.blocks[0].levels, *last.blocks[0].samples):
-        value, half = last.band(key)
-        curves[key] = np.column_stack([value, value - half, value + half])
+        value, half_width = last.band(key)
+        low = value - half_width
+        high = value + half_width
+        curves[key] = np.column_stack([value, low, high])
     return curves
 
 

@@ -62,20 +62,26 @@ class StageWear:
     def of_sides(self, k: int, sides: list[int], bins: int) -> "StageWear":
         """Return the wear of joint ``k``, the sum of some sides, arrays over its bins."""
 
-        def of_sides(maps: Array) -> Array:
+        def summed(maps: Array) -> Array:
             return np.asarray(maps[..., k, sides, :bins].sum(axis=-2))
 
+        coarser = None
+        if self.coarser is not None:
+            coarser = summed(self.coarser)
+        flattening = None
+        if self.flattening is not None:
+            flattening = summed(self.flattening)
         return replace(
             self,
-            added_depth=of_sides(self.added_depth),
-            maps=of_sides(self.maps),
-            coarser=None if self.coarser is None else of_sides(self.coarser),
-            by_replicate=of_sides(self.by_replicate),
-            flattening=None if self.flattening is None else of_sides(self.flattening),
+            added_depth=summed(self.added_depth),
+            maps=summed(self.maps),
+            coarser=coarser,
+            by_replicate=summed(self.by_replicate),
+            flattening=flattening,
         )
 
     def series(self, values: Array) -> list[Array]:
-        """Return values of the samples by run."""
+        """Return values of the samples, (n,), as one series for each run."""
         return np.split(values, np.cumsum(self.successive)[:-1])
 
 
@@ -87,31 +93,30 @@ def stage_wear_of(
     update: WearUpdate | None,
 ) -> StageWear:
     """Return the wear of a stage by its update, or by one jump of ``factor`` cycles."""
-    count = ensemble.replicates
     together = ensemble.together
     batches, weights = map_batches(together.maps)
     laws = depth_laws_of(ensemble.linkage.clearances)
-    before = together.depth.mean(axis=0)
-    samples = worn_off(laws, before, factor * batches)
-    coarser = None
+    initial_depth = together.depth.mean(axis=0)
+    samples = worn_off(laws, initial_depth, factor * batches)
     successive = [len(run.batches) for run in together.maps]
+    coarser = None
+    flattening = None
     if update is None:
         mean_depth = factor * smoothed_mean(together.maps, ensemble.bins)
-        added_depth = worn_off(laws, before, mean_depth)
+        added_depth = worn_off(laws, initial_depth, mean_depth)
         alone = ensemble.alone
         by_replicate = worn_off(laws, alone.depth, factor * alone.added_by_run())
     else:
-        added_depth = update.added_depth[:count].mean(axis=0)
-        by_replicate = update.added_depth[-count:]
-        coarser = None if update.coarser is None else update.coarser.mean(axis=0)
+        added_depth = update.added_depth[: ensemble.replicates].mean(axis=0)
+        by_replicate = update.added_depth[-ensemble.replicates :]
+        flattening = update.flattening
+        if update.coarser is not None:
+            coarser = update.coarser.mean(axis=0)
     is_in_steps = update is not None and scene.wears_in_steps
-    # By joint, the worn volumes of the batches of each run
-    by_run = [run.batches.sum(axis=(-2, -1)).T for run in together.maps]
-    volumes = zip(*by_run, strict=True)
     # Cycles on one surface are not samples of the motion on other surfaces. Neither are
-    # the cycles of a replicate if the worn volumes of the replicates differ at a joint.
-    # The samples are then the replicates.
-    are_alike = index == 0 and not is_in_steps and not any(map(differ, volumes))
+    # the cycles of a replicate if the replicates differ. The samples are then the
+    # replicates.
+    are_alike = index == 0 and not is_in_steps and not _replicates_differ(together)
     if scene.replicate_count > 1 and not are_alike:
         samples = by_replicate
         weights = np.ones(len(by_replicate))
@@ -129,8 +134,15 @@ def stage_wear_of(
         by_replicate=by_replicate,
         is_frozen=update is None and index > 0 and scene.wears_in_steps,
         is_smoothed=bool(ensemble.bins),
-        flattening=None if update is None else update.flattening,
+        flattening=flattening,
     )
+
+
+def _replicates_differ(ensemble: Ensemble) -> bool:
+    """Return whether the worn volumes of the runs differ significantly at a joint."""
+    # Worn volume of each batch of each run, shape (joints, batches)
+    volumes_of_runs = [run.batches.sum(axis=(-2, -1)).T for run in ensemble.maps]
+    return any(differ(volumes) for volumes in zip(*volumes_of_runs, strict=True))
 
 
 def wear_peaks_of(
@@ -164,9 +176,10 @@ def _peak_of_map(wear: StageWear) -> WearPeak:
         angle = float(bin_centres(depth.size)[place])
         return WearPeak(Estimate(value), Estimate(angle), error)
     centre = np.average(samples, axis=0, weights=wear.weights)
-    share = inefficiency(wear.series(samples[:, place]))
+    # Correlated samples scatter more than the bootstrap of independent samples shows.
+    variance_ratio = inefficiency(wear.series(samples[:, place]))
     deviations = resampled(samples, wear.weights) - centre
-    draws = centre + math.sqrt(share) * deviations
+    draws = centre + math.sqrt(variance_ratio) * deviations
     deepest, direction = peak_of(depth, draws, len(samples), centre)
     is_at_place = wear.is_smoothed or len(samples) < BOOTSTRAP_SAMPLES
     if is_at_place:
@@ -176,4 +189,6 @@ def _peak_of_map(wear: StageWear) -> WearPeak:
     if wear.flattening is not None:
         deepest = widened(deepest, float(wear.flattening[place]))
     deepest = widened(deepest, error or 0.0)
-    return WearPeak(deepest.positive if is_at_place else deepest, direction, error)
+    if is_at_place:
+        deepest = deepest.positive
+    return WearPeak(deepest, direction, error)

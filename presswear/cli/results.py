@@ -46,9 +46,9 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     if is_pdf:
         from presswear.show.pdf import write_pdf
 
-        print_lines(console, f"report in {write_pdf(result, also=names)}")
+        print_lines(console, f"report in {write_pdf(result, extra_figures=names)}")
         return 0
-    print_lines(console, f"report in {write_report(result, also=names)}")
+    print_lines(console, f"report in {write_report(result, extra_figures=names)}")
     return 0
 
 

@@ -39,9 +39,11 @@ def crosscheck(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _engines(arguments: argparse.Namespace, console: Console) -> int:
+    """Compare two engines."""
     arguments.scene = arguments.scene or "wear-times"
     scene = terminal.requested_scene(arguments)
-    shortest, longest = (n * scene.mechanism.period for n in (MIN_CYCLES, MAX_CYCLES))
+    shortest = MIN_CYCLES * scene.mechanism.period
+    longest = MAX_CYCLES * scene.mechanism.period
     if arguments.duration is not None and not shortest <= arguments.duration <= longest:
         raise InputError(
             f"--duration {arguments.duration:g}: must be {shortest:.3g} to {longest:.3g} s, "
@@ -62,10 +64,10 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
     if outcome.diverged:
         reason = "trajectories diverge"
     print_lines(console, f"compared up to {outcome.horizon:.4g} s: {reason}")
-    checks = (
-        (check.quantity, check.unit, (check.value, check.bound), check.passed)
-        for check in outcome.checks
-    )
+    checks = []
+    for check in outcome.checks:
+        numbers = (check.value, check.bound)
+        checks.append((check.quantity, check.unit, numbers, check.passed))
     _print_checks(console, (">difference", ">bound"), checks)
     print_lines(console, *outcome.undecided)
     if outcome.undecided:
@@ -79,6 +81,7 @@ def _engines(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _against(arguments: argparse.Namespace, console: Console) -> int:
+    """Compare a run with the table of another program."""
     if arguments.scene is None:
         raise InputError(
             "--against needs the result folder to compare with: crosscheck DIR"
@@ -87,25 +90,26 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
 
     folder = Path(arguments.scene)
     check_folder(folder)
-    theirs = read_table(arguments.against)
-    ours = table_of(terminal.load_result(folder, console), 0)
+    external_table = read_table(arguments.against)
+    table = table_of(terminal.load_result(folder, console), 0)
     tolerance = arguments.tolerance or TOLERANCE
-    differences = compare_tables(ours, theirs, arguments.until, tolerance)
+    differences = compare_tables(table, external_table, arguments.until, tolerance)
     checks = []
-    for item in differences:
-        numbers = (item.greatest, item.rms, item.bound)
-        checks.append((item.column, item.unit, numbers, item.passed))
+    for column in differences:
+        numbers = (column.greatest, column.rms, column.bound)
+        checks.append((column.column, column.unit, numbers, column.passed))
     _print_checks(console, (">largest", ">rms", ">bound of rms"), checks)
-    return 0 if all(item.passed for item in differences) else 1
+    return 0 if all(column.passed for column in differences) else 1
 
 
 def _print_checks(
     console: Console, names: tuple[str, ...], checks: Iterable[Check]
 ) -> None:
-    rows = (
-        [quantity, *(f"{value:.2e}" for value in numbers), unit, verdict(passed)]
-        for quantity, unit, numbers, passed in checks
-    )
+    """Print a table of checks; ``names`` are the heads of the columns of their numbers."""
+    rows = []
+    for quantity, unit, numbers, passed in checks:
+        texts = [f"{value:.2e}" for value in numbers]
+        rows.append([quantity, *texts, unit, verdict(passed)])
     print_table(console, ("quantity", *names, "unit", ""), rows)
 
 
@@ -185,26 +189,27 @@ def _measure_features(
 
 
 def _print_methods(console: Console, points: Any) -> None:
+    """Print CPU time and first error of each method, and the failures."""
     from presswear.validation.benchmark import problems_of
 
     for problem in problems_of(points):
         quantity = next(iter(problem.quantities))
-        rows = [
-            [p.method.label, f"{1e3 * p.timing.cpu:.3g}", f"{p.errors[quantity]:.1e}"]
-            for p in points
-            if p.problem is problem and p.timing is not None
-        ]
+        rows = []
+        for point in points:
+            if point.problem is problem and point.timing is not None:
+                cpu = f"{1e3 * point.timing.cpu:.3g}"
+                error = f"{point.errors[quantity]:.1e}"
+                rows.append([point.method.label, cpu, error])
         heads = ("method", ">CPU ms", f">error of {quantity}")
         print_table(console, heads, rows, problem.name)
     for point in points:
         if point.failure:
-            words = (
-                f"{point.problem.name}: {point.method.label} failed: {point.failure}"
-            )
-            print_lines(console, words)
+            label = f"{point.problem.name}: {point.method.label}"
+            print_lines(console, f"{label} failed: {point.failure}")
 
 
 def _print_features(console: Console, table: Any) -> None:
+    """Print the costs of each feature."""
     rows = []
     for row in table:
         rows.append(

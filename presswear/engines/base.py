@@ -90,7 +90,7 @@ class Plan:
     # Objects that are notified after each cycle; each of them can end the run
     observers: tuple[Observer, ...] = ()
     # Called many times a second with the completed fraction, 0 to 1, and the recorder
-    report: Callable[[float, Recorder], object] = lambda part, recorder: None
+    report: Callable[[float, Recorder], object] = lambda fraction, recorder: None
     # Function that returns the depth by which the surfaces wear after a cycle, m, from the
     # number of cycles, the wear depth of the last cycle, m, and the depth of the
     # surfaces, m. All depths have the shape (joints, 2, bins). None: the surfaces stay.
@@ -129,11 +129,11 @@ class Run:
     """The outcome of one run of an engine."""
 
     status: Status  # enough: ended by an observer before the most cycles
-    finding: Finding | None  # what ended a run that failed
+    finding: Finding | None  # cause that ended a run that failed
     recorder: Recorder
-    end: Start
-    time: float  # simulated, s
-    # Steps, Newton iterations, wall time by stage and the like
+    end: Start  # final state, from which another run can start
+    time: float  # simulated time, s
+    # Counts and wall times by name, such as steps and Newton iterations
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
     cpu: float = 0.0  # CPU time of the solution without building, s
 
@@ -155,41 +155,41 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     InputError if a spring has the length zero at the start.
     """
     check_springs(linkage, start.position)
+    records = _records_of(linkage, start, plan)
+    if records.packed.loads is not None:
+        place_loads(records.packed.loads, start.position, start.velocity)
+    maps = MapBatches(map_shape(linkage.clearances))
+    return Recorder(records, maps, len(plan.sections))
+
+
+def _records_of(linkage: Linkage, start: Start, plan: Plan) -> RecorderState:
+    """Return the arrays and records of an empty recorder."""
     count = len(linkage.clearances)
     drives = len(linkage.drives)
     has_leader = linkage.leader is not None
     counters = np.zeros(count, COUNTERS)
     counters["fewest_steps"] = np.iinfo(np.int64).max
+    contacts = plan.recorded_cycles * CONTACTS_AT_MOST
+    films = len(linkage.oiled_joints)
     rows = _series_rows(linkage, plan)
-    columns = SERIES_COUNT + JOINT_SERIES_COUNT * count
-    if plan.torques:
-        columns += drives
-    if has_leader:
-        columns += LEADER_SERIES_COUNT
+    columns = _series_columns(linkage, plan)
     shape = map_shape(linkage.clearances)
     film, sampler = empty_film(len(linkage.bodies), count, plan.cycle)
-    drives_by_clock = linkage.drives if has_leader else ()
-    angle_indices = np.array(
-        [3 * linkage.index(drive.body) + 2 for drive in drives_by_clock], np.int64
-    )
-    records = RecorderState(
+    angle_indices = _driven_angles(linkage)
+    return RecorderState(
         packed=pack(linkage, plan.wear is not None),
         motions=motions_of(linkage),
         contacts=np.zeros(count, CONTACT),
         onset=np.zeros(count),
         memory=np.zeros(count, MEMORY),
         counters=counters,
-        stored_contacts=np.empty(
-            (count, plan.recorded_cycles * CONTACTS_AT_MOST), STORED_CONTACT
-        ),
+        stored_contacts=np.empty((count, contacts), STORED_CONTACT),
         output=_output_of(linkage, start, plan),
         series=np.empty((rows, columns)),
         film=film,
         sampler=sampler,
         nominal=nominal_of(linkage),
-        cycle=np.zeros(
-            cycle_columns(count, drives, has_leader, len(linkage.oiled_joints))
-        ),
+        cycle=np.zeros(cycle_columns(count, drives, has_leader, films)),
         depth=np.zeros(shape),
         film_columns=_film_columns(linkage),
         last=np.zeros(count, LAST),
@@ -205,9 +205,23 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         angle_indices=angle_indices,
         turns=np.empty((rows, 2, angle_indices.size)),
     )
-    if records.packed.loads is not None:
-        place_loads(records.packed.loads, start.position, start.velocity)
-    return Recorder(records, MapBatches(shape), len(plan.sections))
+
+
+def _driven_angles(linkage: Linkage) -> NDArray[np.int64]:
+    """Return the indices in q of the angles of driven bodies; none without a motor."""
+    drives = () if linkage.leader is None else linkage.drives
+    indices = [3 * linkage.index(drive.body) + 2 for drive in drives]
+    return np.array(indices, np.int64)
+
+
+def _series_columns(linkage: Linkage, plan: Plan) -> int:
+    """Return the number of columns of the series."""
+    columns = SERIES_COUNT + JOINT_SERIES_COUNT * len(linkage.clearances)
+    if plan.torques:
+        columns += len(linkage.drives)
+    if linkage.leader is not None:
+        columns += LEADER_SERIES_COUNT
+    return columns
 
 
 def _output_of(linkage: Linkage, start: Start, plan: Plan) -> Records:
@@ -289,13 +303,9 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     """Return a sentence on the model that an engine solves, and on its prescribed bodies."""
     if names := sorted(prescribed):
         model = f"{model}, {listed(names)} prescribed"
-    named = [
-        load.name
-        for load in linkage.loads_with_law
-        if isinstance(load, Force) and load.name
-    ]
-    if named:
-        model = f"{model}; forces: {', '.join(named)}"
+    forces = [load for load in linkage.loads_with_law if isinstance(load, Force)]
+    if names := [force.name for force in forces if force.name]:
+        model = f"{model}; forces: {', '.join(names)}"
     if linkage.rubbing_pins:
         rubs = listed(joint.name for joint in linkage.rubbing_pins)
         model = f"{model}; friction without clearance: {rubs}"
@@ -305,19 +315,22 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     joints = linkage.clearances
     if not joints:
         return f"{model}; clearance: none"
-    friction = any(joint.friction.coefficient > 0.0 for joint in joints)
-    worn = any(
+    has_friction = any(joint.friction.coefficient > 0.0 for joint in joints)
+    is_worn = any(
         joint.bearing_surface.is_worn or joint.pin_surface.is_worn for joint in joints
     )
-    wear = any(joint.wear is not None for joint in joints) or linkage.worn_guides
-    return (
-        f"{model}; clearance: {', '.join(joint.name for joint in joints)}; "
-        f"friction {'on' if friction else 'off'}; "
-        f"surfaces {'worn' if worn else 'round'}; wear {'computed' if wear else 'not computed'}"
-    )
+    wears = any(joint.wear is not None for joint in joints) or linkage.worn_guides
+    texts = [
+        model,
+        f"clearance: {', '.join(joint.name for joint in joints)}",
+        "friction on" if has_friction else "friction off",
+        "surfaces worn" if is_worn else "surfaces round",
+        "wear computed" if wears else "wear not computed",
+    ]
+    return "; ".join(texts)
 
 
 def listed(names: Iterable[str]) -> str:
     """Return names in a sentence: ``a``, ``a and b``, ``a, b and c``."""
-    *most, last = names
-    return f"{', '.join(most)} and {last}" if most else last
+    *first_names, last = names
+    return f"{', '.join(first_names)} and {last}" if first_names else last

@@ -79,6 +79,7 @@ def simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
 
 
 def _simulate(prepare: Prepare, settings: Any, case: Case) -> Run:
+    """Build the model, resume the stored state if there is one, and run all cycles."""
     linkage, start, plan = case
     linkage = linkage.released
     recorder = recorder_of(linkage, start, plan)
@@ -147,14 +148,14 @@ class _Cycles:
 
         All observers are notified of the cycle, also if the first of them ends the run.
         """
-        done = len(self.recorder.cycles)
-        if done == 0:
+        finished = len(self.recorder.cycles)
+        if finished == 0:
             return None
         requests = [
             observer.on_cycle(self.recorder, self._state)
             for observer in self.plan.observers
         ]
-        if done >= self.plan.cycles:
+        if finished >= self.plan.cycles:
             return "completed"
         return "enough" if any(requests) else None
 
@@ -162,20 +163,20 @@ class _Cycles:
         """Run one cycle; return what went wrong, if anything."""
         plan = self.plan
         recorder = self.recorder
-        done = len(recorder.cycles)
+        finished = len(recorder.cycles)
         for phase in plan.sections:
             if phase < 1.0:
-                if finding := self._integrate(plan.time_of(done + phase)):
+                if finding := self._integrate(plan.time_of(finished + phase)):
                     return finding
                 recorder.note_section()
-        if finding := self._advance(plan.time_of(done + 1)):
+        if finding := self._advance(plan.time_of(finished + 1)):
             return finding
         if 1.0 in plan.sections:
             recorder.note_section()
         depth = recorder.end_cycle()
         if plan.wear is not None:
-            self._wear(plan.wear(done + 1, depth, recorder.surface_depth))
-        if done + 1 == plan.recorded_cycles:
+            self._wear(plan.wear(finished + 1, depth, recorder.surface_depth))
+        if finished + 1 == plan.recorded_cycles:
             recorder.stop_recording()
         return None
 

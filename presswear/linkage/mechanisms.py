@@ -251,9 +251,8 @@ class SixBar(Mechanism):
         # to D.
         o = complex(self.crank_x, self.crank_y)
         a = o + self.crank_length
-        b = meeting_point(
-            0j, a, self.upper_length, self.rod_length, LEFT if o.real < 0.0 else RIGHT
-        )
+        side = LEFT if o.real < 0.0 else RIGHT
+        b = meeting_point(0j, a, self.upper_length, self.rod_length, side)
         down = math.sqrt(max(self.lower_length**2 - b.real**2, 0.0))
         pivots = {"O": (self.crank_x, self.crank_y), "P": (0.0, 0.0)}
         crown = self._crown(0.5 * math.pi, pivots)

@@ -26,18 +26,20 @@ CELL = 34  # letters of another column, at most
 BOLD = 1.2  # width of a bold letter over that of another
 
 
-def write_pdf(result: Result, also: Sequence[str] = ()) -> Path:
+def write_pdf(result: Result, extra_figures: Sequence[str] = ()) -> Path:
     """Write ``report.pdf`` into the folder of a result, and return it.
 
-    ``also`` are figures of ``OF_MANY_CYCLES`` beside those of the report.
+    ``extra_figures`` are figures of ``OF_MANY_CYCLES`` beside those of the report.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     missing = list[str]()
     tables = report_tables(result, missing)
     screen = first_screen(result, missing)
-    check_cycles(result, also)
-    sheets = [*drawings(result), *(drawings(result, also) if also else ())]
+    check_cycles(result, extra_figures)
+    sheets = list(drawings(result))
+    if extra_figures:
+        sheets += drawings(result, extra_figures)
     file = result.path / "report.pdf"
     information = {
         "Title": title_of(result.scene),

@@ -88,7 +88,7 @@ TITLES = {
 
 
 def prepare(scene: Scene) -> None:
-    """Compile the kernels of a report, and compute what does not depend on the run."""
+    """Compile the kernels of a report, and compute the quantities of the scene alone."""
     if not scene.has_untrusted_loads:
         ideal_drives(scene)
         rubbing_drives(scene)
@@ -100,20 +100,20 @@ def write_report(
     result: Result,
     notify: Callable[[int], None] = lambda count: None,
     has_all_figures: bool = True,
-    also: Sequence[str] = (),
+    extra_figures: Sequence[str] = (),
 ) -> Path:
     """Draw the figures and write ``report.html`` into the folder of a result; return the page.
 
     Figures of an earlier report that are not drawn again are removed. ``notify`` is
     called with the number of figures before they are drawn. With ``has_all_figures`` =
     False the page has the figures of ``first_drawings`` and states the command that
-    draws the others. ``also`` are figures of ``OF_MANY_CYCLES``. RunFailed if memory runs
-    out.
+    draws the others. ``extra_figures`` are names in ``OF_MANY_CYCLES``. RunFailed if memory
+    runs out.
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     try:
-        return _written(result, result.path, notify, has_all_figures, also)
+        return _written(result, result.path, notify, has_all_figures, extra_figures)
     except Exception as error:
         if not is_out_of_memory(error):
             raise
@@ -129,12 +129,13 @@ def _written(
     path: Path,
     notify: Callable[[int], None],
     has_all_figures: bool,
-    also: Sequence[str],
+    extra_figures: Sequence[str],
 ) -> Path:
     """Draw the figures and write the page; see ``write_report``."""
-    check_cycles(result, also)
-    sheets = list(drawings(result) if has_all_figures else first_drawings(result))
-    sheets += drawings(result, also) if also else []
+    check_cycles(result, extra_figures)
+    sheets = list(drawings(result)) if has_all_figures else list(first_drawings(result))
+    if extra_figures:
+        sheets += drawings(result, extra_figures)
     notify(len(sheets))
     folder = inside(path, "figures")
     figures = page.illustrated(sheets, folder)
@@ -199,14 +200,11 @@ def render_report(
         "span_of": span_of,
         "figures_command": figures_command,
     }
+    pictures = (figure for figure in figures if figure.file.startswith(PICTURE))
+    screen = replace(first_screen(result, missing), picture=next(pictures, None))
     return page.render_page(
         title_of(scene),
-        replace(
-            first_screen(result, missing),
-            picture=next(
-                (figure for figure in figures if figure.file.startswith(PICTURE)), None
-            ),
-        ),
+        screen,
         template="report.html",
         figures=figures,
         **content,
@@ -240,12 +238,14 @@ def report_tables(result: Result, missing: list[str]) -> dict[str, Table | None]
 
 def first_screen(result: Result, missing: Sequence[str] = ()) -> page.FirstScreen:
     """Return status, limits, key numbers and warnings of a result; see ``report_tables``."""
-    sound = stages_with_numbers(result)
+    limits = []
+    if sound := stages_with_numbers(result):
+        limits = limit_lines(result.scene, sound[-1])
     return page.FirstScreen(
         status=_status(result),
         style=result.status if result.status in FINISHED else "unfinished",
         made_by=made_by(result.provenance),
-        limits=limit_lines(result.scene, sound[-1]) if sound else (),
+        limits=limits,
         key_numbers=key_numbers(result),
         warnings=[*warnings(result), *missing],
     )
@@ -290,8 +290,8 @@ def _oil_sentences(result: Result) -> list[str]:
 def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
     """Return the joints that share a normal law, their bearing, its title and its restitution.
 
-    The restitution is that which the law delivers in an impact, not the nominal one;
-    None for a law whose restitution is unknown.
+    The restitution is the one of an impact under the law, not the nominal one; None if it
+    is unknown.
     """
     groups: dict[Any, tuple[list[str], Bearing, str, float | None]] = {}
     for joint in scene.loose_pins:
@@ -314,10 +314,10 @@ def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | No
 
 def provenance_table(result: Result) -> Table | None:
     """Return versions, machine and time of a result."""
-    packages = result.provenance["packages"].items()
-    listed = "; ".join(
-        f"{name} {text.replace(', ', ', module ')}" for name, text in packages
-    )
+    packages = []
+    for name, version in result.provenance["packages"].items():
+        packages.append(f"{name} {version.replace(', ', ', module ')}")
+    listed = "; ".join(packages)
     record = {"name": "", "result": result, "schema": SCHEMA, "packages": listed}
     return result_table("provenance", result, [record], numeric=False)
 

@@ -41,7 +41,7 @@ T = TypeVar("T")
 LARGEST = 1e15  # largest magnitude of any number, SI: that of the stiffest contact
 _MOST_PARTS = 4_000_000  # lists of a document; a sweep has one for each of its rows
 NOT_STORED = {"stored": False}  # metadata of a field that plain data leave out
-_NAMES = ("name", "body")  # first fields by which messages tell the owner
+_NAMES = ("name", "body")  # first fields by which messages name the owner
 
 
 def check_fields(owner: Any) -> None:
@@ -50,23 +50,23 @@ def check_fields(owner: Any) -> None:
     Texts with units become numbers in SI, numbers of any kind Python numbers, sequences
     tuples, mappings the data classes of the annotation.
     """
-    items = [item for item in fields(owner) if item.init]
-    first = items[0].name
+    arguments = [field for field in fields(owner) if field.init]
+    first = arguments[0].name
     label = getattr(owner, first)
-    whose = f" of {label}" if first in _NAMES and isinstance(label, str) else ""
-    for item in items:
-        result = value = getattr(owner, item.name)
-        name = item.name if item.name == first else f"{item.name}{whose}"
-        meaning = meaning_of(item, owner)
-        is_optional = item.default is None or NoneType in get_args(item.type)
+    of_owner = f" of {label}" if first in _NAMES and isinstance(label, str) else ""
+    for field in arguments:
+        result = value = getattr(owner, field.name)
+        name = field.name if field.name == first else f"{field.name}{of_owner}"
+        meaning = meaning_of(field, owner)
+        is_optional = field.default is None or NoneType in get_args(field.type)
         is_none = isinstance(value, str) and value == NONE
         if is_optional and isinstance(meaning, Quantity) and is_none:
             result = None
         elif value is not None or not is_optional:
-            kind = item.type if meaning is None else Annotated[Any, meaning]
+            kind = field.type if meaning is None else Annotated[Any, meaning]
             result = converted(name, value, kind)
         if result is not value:
-            object.__setattr__(owner, item.name, result)
+            object.__setattr__(owner, field.name, result)
 
 
 class Named:
@@ -90,17 +90,17 @@ class Checked(Named):
 
 
 def documented(owner: type[T], example: T | None = None) -> type[T]:
-    """Add the fields of a data class that have a range to its docstring, if it does not tell them.
+    """Add the fields of a data class that have a range and no description to its docstring.
 
-    ``example`` is an instance, where the words of a choice depend on it.
+    ``example`` is an instance, if the words of a choice depend on it.
     """
     text = inspect.cleandoc(owner.__doc__ or "")
     described = {line.partition(" : ")[0] for line in text.splitlines()}
     lines = []
-    for item in fields(cast(Any, owner)):
-        meaning = meaning_of(item, example)
-        default = item.default
-        if item.name in described or meaning is None:
+    for field in fields(cast(Any, owner)):
+        meaning = meaning_of(field, example)
+        default = field.default
+        if field.name in described or meaning is None:
             continue
         if isinstance(meaning, Choice):
             allowed = ", ".join(meaning.allowed())
@@ -108,7 +108,7 @@ def documented(owner: type[T], example: T | None = None) -> type[T]:
         else:
             allowed = meaning.range_text()
         ending = "" if default is MISSING else f", default {default}"
-        lines.append(f"{item.name} : {allowed}{ending}\n    {meaning.text}")
+        lines.append(f"{field.name} : {allowed}{ending}\n    {meaning.text}")
     if lines:
         owner.__doc__ = "\n".join([text, "", "Parameters", "----------", *lines])
     return owner
@@ -117,24 +117,27 @@ def documented(owner: type[T], example: T | None = None) -> type[T]:
 def converted(name: str, value: Any, kind: Any) -> Any:
     """Return a value as its annotation says; raise InputError with its name.
 
-    The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert``
-    alike.
+    The second argument of ``Annotated`` is a ``Quantity``, or has a method ``convert`` with
+    the same arguments.
     """
     origin = get_origin(kind) or kind
-    inner = get_args(kind)
+    arguments = get_args(kind)
     if kind is Any:
         return value
     if origin is Annotated:
-        return inner[1].convert(name, value)
+        _, meaning = arguments
+        return meaning.convert(name, value)
     if origin in (Union, UnionType):
         return _as_one_of(name, value, kind)
     if origin in (tuple, Sequence):
         return _as_tuple(name, value, kind)
     if origin is Mapping and isinstance(value, Mapping):
+        key_kind, item_kind = arguments
         result = {}
         for key, item in value.items():
-            word = converted(f"name in {name}", key, inner[0])
-            result[word] = converted(_part_name(name, f".{key}"), item, inner[1])
+            checked_key = converted(f"name in {name}", key, key_kind)
+            item_name = _part_name(name, f".{key}")
+            result[checked_key] = converted(item_name, item, item_kind)
         return result
     if kind in (float, int):
         number = plain_number(value)
@@ -143,7 +146,7 @@ def converted(name: str, value: Any, kind: Any) -> Any:
                 return kind(number)
             raise InputError(f"{refusal(name, value, kind)}, {LARGEST:g} at most")
     elif origin is Literal:
-        Choice(inner).check(name, value)
+        Choice(arguments).check(name, value)
         return value
     elif is_dataclass(origin) and isinstance(value, Mapping):
         return make(name, cast(Any, origin), value)
@@ -152,15 +155,16 @@ def converted(name: str, value: Any, kind: Any) -> Any:
     raise refusal(name, value, kind)
 
 
-def _part_name(name: str, part: str) -> str:
-    head, of, owner = name.partition(" of ")
-    return f"{head}{part}{of}{owner}"
+def _part_name(name: str, suffix: str) -> str:
+    """Return the name of a part of a value: ``table of A`` gives ``table[0] of A``."""
+    head, separator, owner = name.partition(" of ")
+    return f"{head}{suffix}{separator}{owner}"
 
 
 def _as_one_of(name: str, value: Any, kind: Any) -> Any:
     """Return a value as the first type of a union that takes it."""
     kinds = get_args(kind)
-    deeper = None
+    error_of_part = None
     classes: list[Any] = [member for member in kinds if is_dataclass(member)]
     takes_mapping = any(get_origin(member) is Mapping for member in kinds)
     if isinstance(value, Mapping) and classes and not takes_mapping:
@@ -172,12 +176,12 @@ def _as_one_of(name: str, value: Any, kind: Any) -> Any:
         except InputError as error:
             # The value as a whole is of this type, but a part of it is not.
             if isinstance(value, Real) or not str(error).startswith(f"{name} = "):
-                deeper = deeper or error
-    raise deeper or refusal(name, value, kind)
+                error_of_part = error_of_part or error
+    raise error_of_part or refusal(name, value, kind)
 
 
 def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
-    """Return how many keys of plain data a data class lacks, and how many are missing there."""
+    """Return how many keys of data a class lacks, and how many of the class data lack."""
     parameters = inspect.signature(kind).parameters
     needed = {key for key, item in parameters.items() if item.default is item.empty}
     return len(data.keys() - parameters.keys()), len(needed - data.keys())
@@ -230,23 +234,23 @@ def plain(value: Any) -> Any:
         return value.as_plain()
     if is_dataclass(value):
         kind = getattr(value, "kind", None)
-        first = {"kind": kind} if isinstance(kind, str) else {}
-        items = (
-            item.name
-            for item in fields(value)
-            if item.init and item.metadata != NOT_STORED
-        )
-        return first | {name: plain(getattr(value, name)) for name in items}
+        data = {"kind": kind} if isinstance(kind, str) else {}
+        for field in fields(value):
+            if field.init and field.metadata != NOT_STORED:
+                data[field.name] = plain(getattr(value, field.name))
+        return data
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
         return [plain(item) for item in value]
     number = plain_number(value)
-    return None if isinstance(number, float) and not math.isfinite(number) else number
+    if isinstance(number, float) and not math.isfinite(number):
+        return None
+    return number
 
 
 def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
-    """Return a data class from what ``plain`` returned; nothing is filled in.
+    """Return a data class from a result of ``plain``; missing keys get no default value.
 
     InputError names the place and the first key that does not fit or is missing.
     """
@@ -261,12 +265,12 @@ def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
     return result
 
 
-def _missing_keys(whole: Any, data: Any) -> Iterator[str]:
+def _missing_keys(complete: Any, data: Any) -> Iterator[str]:
     """Yield names in nested plain data that other plain data lack."""
-    if isinstance(whole, Mapping) and isinstance(data, Mapping):
-        yield from whole.keys() - data.keys()
-        for name in whole.keys() & data.keys():
-            yield from _missing_keys(whole[name], data[name])
+    if isinstance(complete, Mapping) and isinstance(data, Mapping):
+        yield from complete.keys() - data.keys()
+        for name in complete.keys() & data.keys():
+            yield from _missing_keys(complete[name], data[name])
 
 
 def typed(data: Any, kind: type[T], place: str) -> T:
@@ -279,10 +283,9 @@ def typed(data: Any, kind: type[T], place: str) -> T:
     try:
         return msgspec.convert(data, kind)
     except msgspec.ValidationError as error:
-        fault, _, inner = str(error).partition(" - at `$")
-        inner = inner.strip(".`")
-        where = f"{place}: {inner}" if inner else place
-        raise InputError(f"{where}: {fault}" if where else fault) from None
+        fault, _, path = str(error).partition(" - at `$")
+        places = [text for text in (place, path.strip(".`")) if text]
+        raise InputError(": ".join([*places, fault])) from None
 
 
 def read_json(
@@ -308,9 +311,9 @@ def read_json(
         document: dict[str, Any] = msgspec.json.decode(data, type=dict[str, Any])
     except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
+    stored = document.get("schema")
     # JSON's true equals 1 and 2.0 equals 2, but neither is a schema.
-    if type(document.get("schema")) is not int or document["schema"] != schema:
-        stored = document.get("schema")
+    if type(stored) is not int or stored != schema:
         raise InputError(f"{file} has schema {stored!r}; this version reads {schema}")
     return document
 

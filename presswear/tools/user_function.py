@@ -72,7 +72,8 @@ class UserFunction:
     def __str__(self) -> str:
         digest = hashlib.sha256(self.source.encode()).hexdigest()[:8]
         values = ", ".join(f"{name} = {value:g}" for name, value in self.values)
-        return f"user law {self.name}{f'({values})' if values else ''}, {digest}"
+        name = f"{self.name}({values})" if values else self.name
+        return f"user law {name}, {digest}"
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A worker process may execute the same texts as the process that started it.
@@ -124,9 +125,8 @@ class UserFunction:
             tree = ast.parse(self.source)
         except (SyntaxError, ValueError, RecursionError) as error:
             raise InputError(f"{key}: {self.name} is no Python: {error}") from None
-        functions = {
-            node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)
-        }
+        nodes = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+        functions = {node.name: node for node in nodes}
         if self.name not in functions:
             raise unknown(f"function in {key}", self.name, tuple(functions))
         arguments = functions[self.name].args
@@ -159,10 +159,10 @@ class UserFunction:
     ) -> list[tuple[LawNumber, float]]:
         """Return the numbers of the law with their present values, SI."""
         values = dict(self.values)
-        return [
-            (number, values.get(number.name, number.default))
-            for number in self.numbers(key, allowed)
-        ]
+        settings = []
+        for number in self.numbers(key, allowed):
+            settings.append((number, values.get(number.name, number.default)))
+        return settings
 
     def with_values(
         self, key: str, values: Mapping[str, Any], allowed: tuple[str, ...]
@@ -259,7 +259,8 @@ class UserFunction:
                     low = middle
                     below = between
             if abs(above - below) > least:
-                return round(low, 8) + 0.0, below, above  # + 0.0: no negative zero
+                place = round(low, 8) + 0.0  # the sum turns -0.0 into 0.0
+                return place, below, above
         return None
 
     def _result_at(self, x: float, name: str, constant: dict[str, float]) -> float:

@@ -51,30 +51,29 @@ def free_bodies(
     name: str,
     bodies: Sequence[Body],
     joints: Sequence[ClearanceJoint],
-    probe: str,
-    **rest: Any,
+    recorded: str,
+    **options: Any,
 ) -> Linkage:
     """Return bodies that are connected by clearance joints only, without gravity.
 
-    The motion of the body ``probe`` along x is recorded.
+    The motion of the body ``recorded`` along x is stored. ``options`` are other arguments
+    of ``assemble``, or replace these.
     """
-    options: dict[str, Any] = {
-        "output": OutputPoint(probe, 0.0),
-        "gravity": 0.0,
-        **rest,
-    }
-    return assemble(tuple(bodies), name=name, clearances=tuple(joints), **options)
+    default: dict[str, Any] = {"output": OutputPoint(recorded, 0.0), "gravity": 0.0}
+    return assemble(
+        tuple(bodies), name=name, clearances=tuple(joints), **default | options
+    )
 
 
 # Free impact: F = K delta^n (1 + chi delta_dot / v); see ``linkage.normal_law``.
 # Duration of an elastic Hertz impact over delta_max / v: 0.8 B(2/5, 1/2).
 HERTZ_DURATION = 2.9432751843
-DELIVERED: dict[str, dict[float, float]] = {
-    law: {float(nominal): value for nominal, value in values.items()}
-    for law, values in _DATA["delivered"].items()
-}
-REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
-# By restitution. At 0.8 and 0.5 the error of 50 steps is above 1e-4.
+# Restitution of an impact by law of damping and nominal restitution
+DELIVERED: dict[str, dict[float, float]] = {}
+for _law, _values in _DATA["delivered"].items():
+    DELIVERED[_law] = {float(nominal): value for nominal, value in _values.items()}
+REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # reduced mass of ring and shaft, kg
+# Steps by nominal restitution; at 0.8 and 0.5 the error of 50 steps is above 1e-4
 EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}
 
 
@@ -143,10 +142,12 @@ class Impact:
             force = self.stiffness * depth**n * (1.0 + chi * (end + x))
             return REDUCED_MASS * self.speed / force * (n + 1.0) * s**n
 
-        ends = (1.0, -1.0, 1.0), (-restitution, 1.0, restitution ** (1.0 / (n + 1.0)))
         accuracy = {"epsabs": 0.0, "epsrel": 1e-13}
-        parts = [quad(rate, 0.0, s, tuple(end), **accuracy) for *end, s in ends]
-        return sum(part[0] for part in parts), sum(part[1] for part in parts)
+        # From either end to u = 0
+        compression, error = quad(rate, 0.0, 1.0, (1.0, -1.0), **accuracy)
+        s = restitution ** (1.0 / (n + 1.0))
+        expansion, second_error = quad(rate, 0.0, s, (-restitution, 1.0), **accuracy)
+        return compression + expansion, error + second_error
 
 
 def delivered(run: Run, speed: float) -> float:
@@ -156,18 +157,9 @@ def delivered(run: Run, speed: float) -> float:
 
 def impact_checks() -> Iterator[Check]:
     """Check restitution, penetration and duration of one free central impact."""
-    plan = Plan(0.005, 1)
     for law, values in DELIVERED.items():
-        is_default = law == "lankarani-nikravesh"
         for nominal, expected in values.items():
-            impact = Impact(nominal, law=law)
-            steps = EXUDYN_STEPS_PER_CONTACT[nominal]
-            joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-            engines = (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4))
-            for word, engine, bound in engines[: 1 + is_default]:
-                run = engine.simulate(impact.linkage, impact.start, plan)
-                name = f"restitution, {'' if is_default else f'{law}, '}nominal {nominal}, {word}"
-                yield Check.against(name, expected, delivered(run, impact.speed), bound)
+            yield from _restitution_checks(Impact(nominal, law=law), expected)
     impact = Impact(0.9, clearance=1e-5)
     recorder = finished(
         TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
@@ -183,7 +175,7 @@ def impact_checks() -> Iterator[Check]:
         "penetration over closed form, dae", 1.0, deepest / impact.deepest, 1e-8
     )
     impact = Impact(1.0)
-    contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
+    contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, _IMPACT_PLAN))
     duration = (
         (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
     )
@@ -192,18 +184,41 @@ def impact_checks() -> Iterator[Check]:
     )
 
 
+_IMPACT_PLAN = Plan(0.005, 1)
+
+
+def _restitution_checks(impact: Impact, expected: float) -> Iterator[Check]:
+    """Check the restitution in ``dae``, and in Exudyn with the default law."""
+    nominal = impact.nominal
+    is_default = impact.law == "lankarani-nikravesh"
+    name = f"restitution, nominal {nominal}"
+    if not is_default:
+        name = f"restitution, {impact.law}, nominal {nominal}"
+    run = TIGHT.simulate(impact.linkage, impact.start, _IMPACT_PLAN)
+    restitution = delivered(run, impact.speed)
+    yield Check.against(f"{name}, dae", expected, restitution, 1e-8)
+    if is_default:
+        steps = EXUDYN_STEPS_PER_CONTACT[nominal]
+        joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
+        run = joints.simulate(impact.linkage, impact.start, _IMPACT_PLAN)
+        restitution = delivered(run, impact.speed)
+        yield Check.against(
+            f"{name}, Exudyn, {steps} steps", expected, restitution, 1e-4
+        )
+
+
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
 SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)  # m
 SDND100_INTERVAL = math.pi / 100.0  # s between two extrema
-SDND100_STIFFNESS = 1e4
-SDND100_GRAVITY = 10.0
+SDND100_STIFFNESS = 1e4  # N/m
+SDND100_GRAVITY = 10.0  # m/s^2
 SDND100_FRICTION = 0.1
 SHARP = 1e-6  # m/s above which friction is full, 0.001 of the largest speed
 
 # Friction of the block on an incline and on a flat
 FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
 GRAVITY = 9.81  # m/s^2
-SLOPE = 0.05
+SLOPE = 0.05  # tangent of the incline
 _FLOOR_CLEARANCE = 1e4  # m: the slope of the floor changes by 1e-4 in a metre
 _FLOOR_STIFFNESS = 1e5  # N/m^1.5
 
@@ -244,15 +259,18 @@ def on_incline(
     slope: float, speed: float, damping: float = 0.0
 ) -> tuple[Linkage, Start]:
     """Return a block on an incline with an initial speed, m/s; the damping is of its floor."""
-    pull, press = (GRAVITY * part(math.atan(slope)) for part in (math.sin, math.cos))
+    angle = math.atan(slope)
+    pull = GRAVITY * math.sin(angle)
+    press = GRAVITY * math.cos(angle)
     return block(pull, press, FRICTION, speed, damping)
 
 
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
     """Return a mass on a spring of 1 km, released; friction is full above ``upper``, m/s."""
     friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
-    linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
-    frame = Attachment(GROUND, -1e3, float(rest.position[1]))
+    linkage, at_rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
+    _, height, _ = at_rest.position
+    frame = Attachment(GROUND, -1e3, float(height))
     spring = Spring(
         "spring", frame, Attachment("block", 0.0, 0.0), SDND100_STIFFNESS, 1e3
     )
@@ -273,11 +291,18 @@ def creep_speed(friction: FrictionLaw, slope: float) -> float:
 
 def friction_checks() -> Iterator[Check]:
     """Check SDND100, creep on an incline, and slowing on the flat."""
+    yield from _sdnd100_checks()
+    yield from _sliding_checks()
 
-    def final(problem: tuple[Linkage, Start], time: float) -> Run:
-        return finished(TIGHT.simulate(*problem, Plan(time, 1, recorded_cycles=1)))
 
-    run = final(sdnd100(SHARP), 4.5 * SDND100_INTERVAL)
+def _run_of(problem: tuple[Linkage, Start], time: float) -> Run:
+    """Return the run of a linkage from its start for a time, s."""
+    return finished(TIGHT.simulate(*problem, Plan(time, 1, recorded_cycles=1)))
+
+
+def _sdnd100_checks() -> Iterator[Check]:
+    """Check places and times of the turning points, and where the mass sticks."""
+    run = _run_of(sdnd100(SHARP), 4.5 * SDND100_INTERVAL)
     released, *extrema = SDND100_EXTREMA
     # Each turn is extrapolated from the last row before it, because friction changes
     # sign there.
@@ -288,19 +313,23 @@ def friction_checks() -> Iterator[Check]:
             f"SDND100: expected {len(extrema)} turning points, found {len(before)}"
         )
     t, x, v, a = (run.recorder.series(name)[before] for name in names_of(SERIES))
-    left = -v / a
-    positions = released + x + left * (v + 0.5 * a * left)
+    time_to_turn = -v / a
+    positions = released + x + time_to_turn * (v + 0.5 * a * time_to_turn)
     millimetres = [1e3 * x for x in extrema]
     yield worst_of(
         "SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5
     )
     expected = [SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
-    yield worst_of("SDND100, dae: its time (s)", expected, t + left, 1e-5)
-    rest = 1e3 * float(run.end.position[0])
-    yield Check.against("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
+    yield worst_of("SDND100, dae: its time (s)", expected, t + time_to_turn, 1e-5)
+    place = 1e3 * float(run.end.position[0])
+    yield Check.against("SDND100, dae: sticks at (mm)", millimetres[-1], place, 1e-4)
+
+
+def _sliding_checks() -> Iterator[Check]:
+    """Check the speeds of a block that creeps on an incline and of a block that slows."""
     # The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.
     creeping = creep_speed(FRICTION, SLOPE)
-    speed = float(final(on_incline(SLOPE, 0.005), 0.2).end.velocity[0])
+    speed = float(_run_of(on_incline(SLOPE, 0.005), 0.2).end.velocity[0])
     yield Check.against("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * speed, 1e-6)
     # From 10 mm/s a block slows evenly down to v1, then as v0 + (v1 - v0) exp(-mu g t /
     # (v1 - v0)).
@@ -311,7 +340,7 @@ def friction_checks() -> Iterator[Check]:
         expected_speed = 0.01 - slowing * time
         if late > 0.0:
             expected_speed = FRICTION.lower + width * math.exp(-slowing * late / width)
-        speed = float(final(on_incline(0.0, 0.01), time).end.velocity[0])
+        speed = float(_run_of(on_incline(0.0, 0.01), time).end.velocity[0])
         name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
         yield Check.against(name, 1e3 * expected_speed, 1e3 * speed, 1e-6)
 
@@ -337,8 +366,8 @@ def _bounces(stiffness: float) -> tuple[Array, Array]:
         raise RunFailed(
             f"expected {BOUNCES} bounces, found {len(contacts['touchdown'])}"
         )
-    left = np.concatenate([[0.0], contacts["separation"][:-1]])
-    return contacts["touchdown"] - left, -contacts["release_speed"]
+    take_off = np.concatenate([[0.0], contacts["separation"][:-1]])
+    return contacts["touchdown"] - take_off, -contacts["release_speed"]
 
 
 def bouncing_checks() -> Iterator[Check]:
@@ -349,8 +378,9 @@ def bouncing_checks() -> Iterator[Check]:
     for flights, speeds in map(_bounces, BALL_STIFFNESS):
         rebound = float(speeds[BOUNCES - 1])
         values.append((float(flights[:BOUNCES].sum()) + series * rebound, rebound))
-    # The effect of gravity during a contact goes with the contact time, K^(-2/5).
-    ratio = (BALL_STIFFNESS[1] / BALL_STIFFNESS[0]) ** 0.4
+    # The effect of gravity during a contact is proportional to the contact time, K^(-2/5).
+    soft_stiffness, stiff_stiffness = BALL_STIFFNESS
+    ratio = (stiff_stiffness / soft_stiffness) ** 0.4
     pairs = zip(*values, strict=True)
     total, rebound = (stiff + (stiff - soft) / (ratio - 1.0) for soft, stiff in pairs)
     yield Check.against(

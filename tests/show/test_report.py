@@ -73,14 +73,16 @@ def test_sections_and_spectra_are_drawn_on_request_from_ten_cycles_on(
     with pytest.raises(
         pw.InputError, match="poincare needs 10 recorded cycles, and the"
     ):
-        write_report(result, also=["poincare"])
+        write_report(result, extra_figures=["poincare"])
     with pytest.raises(pw.InputError, match="unknown figure of many cycles 'force'"):
-        write_report(result, also=["force"])
+        write_report(result, extra_figures=["force"])
     time = 5.5 * result.stages[0].time
     many = altered(result, 0, arrays={**result.stages[0].arrays, "time": time})
     assert (
         "Poincaré section"
-        in write_report(many, also=["poincare"], has_all_figures=False).read_text()
+        in write_report(
+            many, extra_figures=["poincare"], has_all_figures=False
+        ).read_text()
     )
     assert (
         "Poincaré section" not in write_report(many, has_all_figures=False).read_text()

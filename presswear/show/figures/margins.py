@@ -1,7 +1,7 @@
 """Margins of a grid of panels."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -13,8 +13,14 @@ _LETTER = 0.07  # width of a digit, inches
 # Gap between a panel and the numbers of its axis, and around a label, inches
 _TICK = 0.09
 
-# Space left of, right of, above and below a panel, inches
-Room = tuple[float, float, float, float]
+
+class _Room(NamedTuple):
+    """Space beside a panel, inches."""
+
+    left: float
+    right: float
+    above: float
+    below: float
 
 
 class Margins(LayoutEngine):
@@ -29,36 +35,42 @@ class Margins(LayoutEngine):
 
     def execute(self, fig: Any) -> None:
         """Set the margins of a sheet, matplotlib's ``Figure``, before it is drawn."""
-        rooms = [
-            (axes.get_subplotspec(), _room_around(axes))
-            for axes in fig.axes
-            if axes.axison
-        ]
+        right = above = outer_left = inner_left = outer_below = inner_below = 0.0
+        for axes in fig.axes:
+            if not axes.axison:
+                continue
+            place = axes.get_subplotspec()
+            room = _room_around(axes)
+            right = max(right, room.right)
+            above = max(above, room.above)
+            if place.is_first_col():
+                outer_left = max(outer_left, room.left)
+            else:
+                inner_left = max(inner_left, room.left)
+            if place.is_last_row():
+                outer_below = max(outer_below, room.below)
+            else:
+                inner_below = max(inner_below, room.below)
         grid = fig.axes[0].get_subplotspec().get_gridspec()
         width, height = fig.get_size_inches()
-        right, above = (max(room[side] for _, room in rooms) for side in (1, 2))
-        outer = max(room[0] for place, room in rooms if place.is_first_col())
-        below = max(room[3] for place, room in rooms if place.is_last_row())
-        beside = right + max(
-            (r[0] for place, r in rooms if not place.is_first_col()), default=0.0
-        )
-        between = above + max(
-            (r[3] for place, r in rooms if not place.is_last_row()), default=0.0
-        )
+        column_gap = right + inner_left
+        row_gap = above + inner_below
         top = height - _EDGE - sum(map(_height_of, fig.legends)) - above
-        wide = (width - outer - right - (grid.ncols - 1) * beside) / grid.ncols
-        tall = (top - below - (grid.nrows - 1) * between) / grid.nrows
+        gaps = (grid.ncols - 1) * column_gap
+        panel_width = (width - outer_left - right - gaps) / grid.ncols
+        gaps = (grid.nrows - 1) * row_gap
+        panel_height = (top - outer_below - gaps) / grid.nrows
         fig.subplots_adjust(
-            left=outer / width,
+            left=outer_left / width,
             right=1.0 - right / width,
-            bottom=below / height,
+            bottom=outer_below / height,
             top=top / height,
-            wspace=beside / wide,
-            hspace=between / tall,
+            wspace=column_gap / panel_width,
+            hspace=row_gap / panel_height,
         )
 
 
-def _room_around(axes: Axes) -> Room:
+def _room_around(axes: Axes) -> _Room:
     """Return the room that numbers, labels and titles of a panel need."""
     left = _EDGE
     right = _EDGE
@@ -76,7 +88,7 @@ def _room_around(axes: Axes) -> Room:
         below += _TICK + lines * _LINE
     if lines := _lines_of(axes.get_ylabel()):
         left += _TICK + lines * _LINE
-    return left, right, above, below
+    return _Room(left, right, above, below)
 
 
 def _numbers_of(axis: Axis) -> list[str]:
@@ -86,14 +98,14 @@ def _numbers_of(axis: Axis) -> list[str]:
         return []
     low, high = sorted(axis.get_view_interval())
     result = []
-    for places, formatter in (
+    for ticks, formatter in (
         (axis.get_minorticklocs(), axis.get_minor_formatter()),
         (axis.get_majorticklocs(), axis.get_major_formatter()),
     ):
-        texts = zip(
-            places, formatter.format_ticks(list(map(float, places))), strict=True
-        )
-        result += [text for place, text in texts if low <= place <= high]
+        texts = formatter.format_ticks(list(map(float, ticks)))
+        for tick, text in zip(ticks, texts, strict=True):
+            if low <= tick <= high:
+                result.append(text)
     return result
 
 

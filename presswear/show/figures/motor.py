@@ -5,7 +5,7 @@ import math
 from presswear.linkage.drives import Drive
 from presswear.results.result import Result
 from presswear.show.figures import style
-from presswear.show.figures.style import Axes, Drawing, Pen, Shown
+from presswear.show.figures.style import Drawing, Pen, Shown
 from presswear.show.figures.window import draw_with_moments, sampled
 
 _RPM = 30.0 / math.pi  # 1 rad/s in 1/min
@@ -42,12 +42,16 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
         for stage in shown:
             driving_torque = sense * stage.data.arrays["drive_torque"][:, column]
             stage.pen.draw(axes, stage.data.time, driving_torque)
-        _draw_rated(axes, drive)
+        rated_torque = _rated_torque(drive)
+        if rated_torque is not None:
+            axes.axhline(rated_torque, **_RATED.line_style)
         style.label_values(axes, f"torque on {drive.body}\n", "N m")
     window.label(panels, zones)
-    has_rated = any(drive.motor and drive.motor.has_slip for drive in driven)
+    rated_torques = [
+        torque for torque in map(_rated_torque, driven) if torque is not None
+    ]
     pens = [*(stage.pen for stage in shown), _NOMINAL]
-    if has_rated:
+    if rated_torques:
         pens.append(_RATED)
     slowest = 100.0 * float(shown[-1].data.nominal_rate.min())  # %
     return style.finished(
@@ -59,12 +63,13 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
         slowest=slowest,
         leader=leader,
         has_torque=has_torque,
-        has_rated=has_rated,
+        has_rated=bool(rated_torques),
     )
 
 
-def _draw_rated(axes: Axes, drive: Drive) -> None:
-    """Draw the rated torque of a motor that has one."""
+def _rated_torque(drive: Drive) -> float | None:
+    """Return the rated torque of a motor at the driven body, N m; None if it has none."""
     motor = drive.motor
-    if motor is not None and motor.torque is not None and motor.has_slip:
-        axes.axhline(motor.ratio * motor.torque, **_RATED.line_style)
+    if motor is None or motor.torque is None or not motor.has_slip:
+        return None
+    return motor.ratio * motor.torque

@@ -42,7 +42,7 @@ NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
 MAX_START = 30.0  # longest time for a window to open, s
 IDLE_TIME = 0.02  # idle time of the window between two pictures, s
 BAR_REACH = 0.03  # distance of a click from the time bar over the height of the picture
-# key codes of GLFW
+# Codes of keys in GLFW
 SPACE = 32
 RIGHT = 262
 LEFT = 263
@@ -50,21 +50,23 @@ DOWN = 264
 UP = 265
 HOME = 268
 END = 269
-SPEED_STEP = 1.5
+SPEED_STEP = 1.5  # ratio of two playing speeds
 LIVE_INTERVAL = 0.04  # time between two pictures of a running simulation, s
 # Force of the longest arrow, N: the largest force is not yet available
 LIVE_FORCE = 500.0
-LIVE_PEAK_FRAMES = 10
+LIVE_PEAK_FRAMES = 10  # last frames whose largest force is drawn
 
 
 def still(
     clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]
 ) -> Pixels:
     """Return one picture, shape (height, width, 3)."""
-    first, last = clips[0].span
-    part = float((clips[0].film.time[frames[0]] - first) / (last - first))
+    clip = clips[0]
+    first, last = clip.span
+    time = clip.film.time[frames[0]]
+    fraction = float((time - first) / (last - first))
     with closing(Picture(clips, size)) as picture:
-        picture.show(snapshots(clips, frames, frames), part, "")
+        picture.show(snapshots(clips, frames, frames), fraction, "")
         return picture.image()
 
 
@@ -74,6 +76,7 @@ _worker: list[Any] = []  # picture, clips, frames and note of a worker process
 def _start_worker(
     clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
 ) -> None:
+    """Prepare a worker process: build its picture and store what it draws."""
     end_with_parent()
     try:
         picture = Picture(clips, size)
@@ -84,6 +87,7 @@ def _start_worker(
 
 
 def _draw(number: int) -> Pixels:
+    """Return a picture by its number, in a worker process."""
     picture, clips, frames, note = _worker
     states = snapshots(clips, frames[max(number - 1, 0)], frames[number])
     picture.show(states, number / max(len(frames) - 1, 1), note)
@@ -119,39 +123,45 @@ def pictures(
 def write_movie(file: Path, images: Iterator[Pixels], rate: float) -> None:
     """Write pictures as a film of ``rate`` pictures per second; replace a file by a whole one."""
     encode = _gif if file.suffix.lower() == ".gif" else _mp4
-    write_whole(file, lambda part: encode(part, images, rate))
+    write_whole(file, lambda opened: encode(opened, images, rate))
 
 
-def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
+def _gif(file: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     """Write pictures one by one with the palette of the first."""
     first = Image.fromarray(next(images)).quantize(GIF_COLOURS)
-    rest = (
-        Image.fromarray(each).quantize(palette=first, dither=Image.Dither.NONE)
-        for each in images
+    following = (
+        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE)
+        for image in images
     )
-    # ms; GIF counts in hundredths of a second
+    # Duration of a picture, ms; GIF counts in hundredths of a second
     duration = 10 * max(round(100.0 / rate), 2)
     first.save(
-        part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0
+        file,
+        format="gif",
+        save_all=True,
+        append_images=following,
+        duration=duration,
+        loop=0,
     )
 
 
-def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
-    image = next(images)
-    height, width = image.shape[:2]
+def _mp4(file: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
+    """Write pictures with ffmpeg; RunFailed with its last message if it fails."""
+    first = next(images)
+    height, width, _ = first.shape
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
     # Players need even sizes and this colour format.
     target = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2 -pix_fmt yuv420p -movflags +faststart"
     options = ["-loglevel", "error", "-y", *source.split(), *target.split()]
-    command = ["ffmpeg", *options, "-f", "mp4", part.name]
+    command = ["ffmpeg", *options, "-f", "mp4", file.name]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as encoder:
         assert encoder.stdin is not None
         assert encoder.stderr is not None
         try:
-            for each in chain([image], images):
-                encoder.stdin.write(each.tobytes())
+            for image in chain([first], images):
+                encoder.stdin.write(image.tobytes())
             encoder.stdin.close()
         except BrokenPipeError:
             pass  # the reason is in the error output
@@ -160,9 +170,8 @@ def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
             raise
         errors = encoder.stderr.read().decode(errors="replace").strip().splitlines()
     if encoder.returncode != 0:
-        raise RunFailed(
-            f"ffmpeg could not write the film: {errors[-1] if errors else 'no reason'}"
-        )
+        reason = errors[-1] if errors else "no reason"
+        raise RunFailed(f"ffmpeg could not write the film: {reason}")
 
 
 def _start_window(
@@ -170,16 +179,18 @@ def _start_window(
 ) -> tuple[Any, Connection]:
     """Return a process with an open window and a connection to it."""
     context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(target=target, args=(theirs, *arguments), daemon=True)
+    connection, end_of_window = context.Pipe()
+    process = context.Process(
+        target=target, args=(end_of_window, *arguments), daemon=True
+    )
     with starting_processes():
         process.start()
-    theirs.close()
+    end_of_window.close()
     reason = f"Exudyn's renderer did not start within {MAX_START:g} s"
     try:
-        if ours.poll(MAX_START):
-            ours.recv()
-            return process, ours
+        if connection.poll(MAX_START):
+            connection.recv()
+            return process, connection
     except EOFError:  # Exudyn ends the process if there is no display
         process.join(1.0)
         display = f"DISPLAY is {os.environ.get('DISPLAY') or 'not set'}"
@@ -231,15 +242,16 @@ class Window:
         is_stopped = self.picture.system.GetRenderEngineStopFlag()
         return bool(not self._quits and self._renderer.IsActive() and not is_stopped)
 
-    def clicked_part(self) -> float | None:
+    def clicked_fraction(self) -> float | None:
         """Return the position, 0 to 1, of a click on the time bar, if any."""
-        if self._renderer.GetItemSelection(True)[1] == exu.ItemType._None:
+        _, kind, *_ = self._renderer.GetItemSelection(True)
+        if kind == exu.ItemType._None:
             return None
         x, y = self._renderer.GetMouseCoordinates(True)
-        start, end = self.picture.layout.bar
-        if abs(y - start[1]) > BAR_REACH * self.picture.layout.height:
+        (start_x, bar_y), (end_x, _) = self.picture.layout.bar
+        if abs(y - bar_y) > BAR_REACH * self.picture.layout.height:
             return None
-        return float(np.clip((x - start[0]) / (end[0] - start[0]), 0.0, 1.0))
+        return float(np.clip((x - start_x) / (end_x - start_x), 0.0, 1.0))
 
     def close(self) -> None:
         """Close the window."""
@@ -269,13 +281,20 @@ class Player:
         """Perform the action of a key; return False for other keys."""
         if key == SPACE:
             self.plays = not self.plays
-        elif key in (LEFT, RIGHT):
+        elif key == LEFT:
             self.plays = False
-            self.jump(self.time + (self.step if key == RIGHT else -self.step))
-        elif key in (UP, DOWN):
-            self.slow *= SPEED_STEP if key == DOWN else 1.0 / SPEED_STEP
-        elif key in (HOME, END):
-            self.time = self.first if key == HOME else self.last
+            self.jump(self.time - self.step)
+        elif key == RIGHT:
+            self.plays = False
+            self.jump(self.time + self.step)
+        elif key == UP:
+            self.slow *= 1.0 / SPEED_STEP
+        elif key == DOWN:
+            self.slow *= SPEED_STEP
+        elif key == HOME:
+            self.time = self.first
+        elif key == END:
+            self.time = self.last
         else:
             return False
         return True
@@ -285,7 +304,7 @@ class Player:
         self.time = min(max(time, self.first), self.last)
 
     @property
-    def part(self) -> float:
+    def fraction(self) -> float:
         """Position between both ends, 0 to 1."""
         return (self.time - self.first) / (self.last - self.first)
 
@@ -310,11 +329,17 @@ def _play(
     start: float,
     slow: float,
 ) -> None:
+    """Play clips in a window of this process, and notify the caller when it is open."""
     end_with_parent()
-    first = clips[0]
+    first, _ = clips[0].span
+    period = clips[0].period
     # All clips have frames up to the phase at which the shortest ends.
-    last = first.period * min(clip.span[1] / clip.period for clip in clips)
-    player = Player(first.span[0], last, start, slow, first.period / FRAMES_PER_CYCLE)
+    phases = []
+    for clip in clips:
+        _, end = clip.span
+        phases.append(end / clip.period)
+    last = period * min(phases)
+    player = Player(first, last, start, slow, step=period / FRAMES_PER_CYCLE)
     window = Window(Picture(clips, size), player.press)
     caller.send("open")
     previous = frames_at(clips, player.time)
@@ -323,12 +348,12 @@ def _play(
     while is_open:
         frames = frames_at(clips, player.time)
         note = clip_module.speed_text(player.slow) if player.plays else "paused"
-        window.picture.show(snapshots(clips, previous, frames), player.part, note)
+        window.picture.show(snapshots(clips, previous, frames), player.fraction, note)
         previous = frames
         is_open = window.idle()
-        part = window.clicked_part()
-        if part is not None:
-            player.jump(player.first + part * (player.last - player.first))
+        fraction = window.clicked_fraction()
+        if fraction is not None:
+            player.jump(player.first + fraction * (player.last - player.first))
         now = clock.perf_counter()
         player.advance(now - shown)
         shown = now
@@ -380,10 +405,9 @@ class Live(Observer):
                 self._window.send(self._clip(progress.stage))
             time = float(film.time[-1])
             peaks = film.joints[-LIVE_PEAK_FRAMES:, :, clip_module.PEAK].max(axis=0)
-            part = time / self._scene.mechanism.period % 1.0
-            self._window.send(
-                (Snapshot(time, film.position, film.joints[-1], peaks), part)
-            )
+            fraction = time / self._scene.mechanism.period % 1.0
+            snapshot = Snapshot(time, film.position, film.joints[-1], peaks)
+            self._window.send((snapshot, fraction))
             self._is_ready = False
             self._sent = now
         except (EOFError, OSError):
@@ -414,7 +438,8 @@ def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
                 window.close()
                 window = opened(message)
             elif message is not None:
-                window.picture.show([message[0]], message[1], "")
+                snapshot, fraction = message
+                window.picture.show([snapshot], fraction, "")
                 run.send("shown")
     except (EOFError, OSError):
         pass  # the run has ended

@@ -36,7 +36,9 @@ FORCE = to_rgba("#c1121f")
 PIN = to_rgba("#9aa5b1")
 LAYER_STEP = 1e-3  # distance of two layers over the size of the mechanism
 BAR = 0.017  # half width of a bar over the size of the mechanism
-_BLOCK = (5.6, 4.4)  # length and width of a block in a guide, in half widths of a bar
+# Length and width of a block in a guide, in half widths of a bar
+_BLOCK_LENGTH = 5.6
+_BLOCK_WIDTH = 4.4
 # Sizes in the drawing of an enlarged joint, part of its radius: pin, clearance with wear, band
 # of the wear depth, and arrow of the largest force
 PIN_SHARE = 0.34
@@ -118,10 +120,16 @@ def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -
     half = _half_size_of(guide, bar)
     if guide.length is not None:
         half += [bar, clearances_of(linkage).get(guide.name, 0.0)]
-    low = travel.min() - half[0]
-    high = travel.max() + half[0]
+    half_length, half_width = half
+    low = travel.min() - half_length
+    high = travel.max() + half_length
     corners = np.array(
-        [[low, -half[1]], [high, -half[1]], [high, half[1]], [low, half[1]]]
+        [
+            [low, -half_width],
+            [high, -half_width],
+            [high, half_width],
+            [low, half_width],
+        ]
     )
     along = direction(guide.direction)
     return np.array([guide.x, guide.y]) + corners @ [along, across(along)]
@@ -129,8 +137,8 @@ def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -
 
 def _half_size_of(guide: Guide, bar: float) -> Array:
     """Return half the length and half the width of the block in a guide, m, shape (2,)."""
-    length = guide.length or _BLOCK[0] * bar
-    width = guide.width or _BLOCK[1] * bar
+    length = guide.length or _BLOCK_LENGTH * bar
+    width = guide.width or _BLOCK_WIDTH * bar
     return np.array([0.5 * length, 0.5 * width])
 
 
@@ -143,17 +151,22 @@ def slide_corners(guide: Guide) -> list[Attachment]:
     """Return the corners of a slide, in turn around it; none without a length and a width."""
     if guide.length is None or guide.width is None:
         return []
-    around = ("left front", "left back", "right back", "right front")
-    return [corner_ends(guide, *CORNERS[name])[1] for name in around]
+    corners = []
+    for name in ("left front", "left back", "right back", "right front"):
+        _, corner = corner_ends(guide, *CORNERS[name])
+        corners.append(corner)
+    return corners
 
 
 def attachments(linkage: Linkage, body: str) -> list[Attachment]:
     """Return the points at which a body, or the ground, is connected."""
-    ends = [
-        *(end for joint in linkage.revolutes for end in (joint.first, joint.second)),
-        *(end for joint in loose_pins(linkage) for end in (joint.bearing, joint.pin)),
-        *(end for spring in linkage.springs for end in spring.ends),
-    ]
+    ends: list[Attachment] = []
+    for joint in linkage.revolutes:
+        ends += [joint.first, joint.second]
+    for pin in loose_pins(linkage):
+        ends += [pin.bearing, pin.pin]
+    for spring in linkage.springs:
+        ends += spring.ends
     return [end for end in ends if end.body == body]
 
 
@@ -170,11 +183,8 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     if guide is not None:
         half = _half_size_of(guide, bar) - inset
         along = direction(guide.direction - guide.angle)
-        outline = (
-            np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-            * half
-            @ [along, across(along)]
-        )
+        corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        outline = corners @ [along, across(along)]
         inside = half.max() if guide.length is None else half.min()
         points = [point for point in points if math.hypot(*point) > inside]
         if not points:
@@ -237,9 +247,8 @@ def ring(
     centre: Point, radius: float, width: float, layer: int, paint: Colour
 ) -> Shape:
     """Return a circular line of some width."""
-    inner, outer = (
-        circle(centre, radius + side * width, 2 * SEGMENTS) for side in (-0.5, 0.5)
-    )
+    inner = circle(centre, radius - 0.5 * width, 2 * SEGMENTS)
+    outer = circle(centre, radius + 0.5 * width, 2 * SEGMENTS)
     return band(inner, outer, layer, paint)
 
 
@@ -259,7 +268,9 @@ def segments(
 
 def line(start: Point, end: Point, width: float, layer: int, paint: Colour) -> Shape:
     """Return a straight line of some width."""
-    return segments(np.array([start, end], dtype=float), width, layer, [paint])[0]
+    points = np.array([start, end], dtype=float)
+    (shape,) = segments(points, width, layer, [paint])
+    return shape
 
 
 def arrow(
@@ -297,10 +308,12 @@ def mix(first: Colour, second: Colour, share: float) -> Colour:
 
 def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
     """Return the lowest and highest x, y, m, of a moving linkage with a margin."""
-    names = [GROUND, *(body.name for body in linkage.bodies)]
-    ends = [point for name in names for point in attachments(linkage, name)]
-    ends += [Attachment(body.name, 0.0, 0.0) for body in linkage.bodies]
-    ends += [point for guide in guides_of(linkage) for point in slide_corners(guide)]
+    ends = attachments(linkage, GROUND)
+    for body in linkage.bodies:
+        ends += attachments(linkage, body.name)
+        ends.append(Attachment(body.name, 0.0, 0.0))
+    for guide in guides_of(linkage):
+        ends += slide_corners(guide)
     points = np.vstack([points_of(linkage, positions, point)[:, :2] for point in ends])
     low = points.min(axis=0)
     high = points.max(axis=0)

@@ -70,7 +70,7 @@ def test_player_keys():
         player.advance(1.0)
         assert player.time == pytest.approx(time)
     player.press(output.END)
-    assert player.part == 1.0
+    assert player.fraction == 1.0
     assert player.slow == pytest.approx(10.0)
     assert not player.press(ord("X"))
 
