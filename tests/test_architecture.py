@@ -3,6 +3,7 @@
 import ast
 import re
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,11 @@ NAMES = {"own", "told", "tell", "asked", "found", "known", "given", "other", "be
 NAMES |= {"taken", "kept", "gone", "apart", "borne", "felt", "bed", "look"}
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text())
+
+
 def test_no_scratch_file_is_in_the_repository():
     command = ["git", "ls-files"]
     listed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True).stdout
@@ -74,7 +80,7 @@ def test_imports_by_name_are_listed():
     calls: dict[str, list[str]] = {}
     package = ROOT / "presswear"
     for file in package.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text())):
+        for node in ast.walk(parsed(file)):
             if not isinstance(node, ast.Call):
                 continue
             function = ast.unparse(node.func).split(".")[-1]
@@ -93,7 +99,7 @@ def test_names_and_docstrings_are_plain(room):
     for file in [path] if path.is_file() else path.rglob("*.py"):
         if file.suffix not in {".py", ".pyi"}:
             continue
-        for node in ast.walk(ast.parse(file.read_text())):
+        for node in ast.walk(parsed(file)):
             if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.Module):
                 first = (ast.get_docstring(node) or "").split("\n")[0]
                 if first.split(" ")[0] in BEGINNINGS or first.startswith("The same"):
@@ -111,7 +117,7 @@ def test_kernels_make_no_array_and_raise_no_error():
     kernels = 0
     wrong = []
     for file in (ROOT / "presswear").rglob("*.py"):
-        for function in ast.walk(ast.parse(file.read_text())):
+        for function in ast.walk(parsed(file)):
             if not isinstance(function, ast.FunctionDef):
                 continue
             decorators = map(ast.unparse, function.decorator_list)

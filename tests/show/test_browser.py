@@ -73,12 +73,18 @@ def is_loaded(browser: Chrome) -> bool:
     return bool(browser.execute_script("return document.readyState === 'complete'"))
 
 
-@pytest.mark.parametrize("scene", [made.BOTH, pw.scenes.press_blanking()])
+@pytest.fixture(scope="module")
+def blanking(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    result = made.made_up(pw.scenes.press_blanking(), 2)
+    folder = tmp_path_factory.mktemp("blanking")
+    return write_report(replace(result, path=folder), has_all_figures=False)
+
+
+@pytest.mark.parametrize("name", ["report", "blanking"])
 def test_the_first_screen_has_drawing_and_key_numbers(
-    browser: Chrome, scene: pw.Scene, tmp_path
+    browser: Chrome, name, request: pytest.FixtureRequest
 ):
-    report = write_report(replace(made.made_up(scene, 2), path=tmp_path))
-    show(browser, report, 1280)
+    show(browser, request.getfixturevalue(name), 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
     assert 6 <= len(numbers) <= 14
     drawing = browser.find_element(By.CSS_SELECTOR, ".drawing svg")

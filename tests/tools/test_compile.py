@@ -236,9 +236,8 @@ InputError user law fails: law, line 4, law: "return TABLE[int(x)]": index is ou
 def test_index_errors_in_kernels_are_found_on_request(tmp_path):
     file = tmp_path / "beyond.py"
     file.write_text(BEYOND)
-    for value, found in (("0", ""), ("1", BEYOND_PLACES.format(file))):
-        ran = python(file, env={"NUMBA_BOUNDSCHECK": value}, check=True)
-        assert ran.stdout == found
+    ran = python(file, env={"NUMBA_BOUNDSCHECK": "1"}, check=True)
+    assert ran.stdout == BEYOND_PLACES.format(file)
 
 
 COUNTED = """

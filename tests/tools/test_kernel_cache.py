@@ -377,6 +377,5 @@ def test_kernels_of_a_wheel_are_used(stored, package):
 
 
 def test_bounds_of_arrays_are_checked_with_a_warm_cache(stored, package):
-    assert _printed(package) == "True /tools/compile.py"
     assert _printed(package, NUMBA_BOUNDSCHECK="1").startswith("compiles")
     assert _printed(package, NUMBA_OPT="1").startswith("compiles")

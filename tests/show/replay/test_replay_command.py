@@ -6,16 +6,15 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import lines
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
-from python_process import python
 
 import presswear as pw
+from presswear.__main__ import main
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
 needs_xdotool = pytest.mark.skipif(
@@ -100,11 +99,15 @@ def test_bad_input_is_refused_in_one_line(
 @pytest.mark.parametrize(
     ("name", "line"), [("", "replay ."), (":987", "run wear-times --live")]
 )
-def test_without_a_display_one_line_names_alternatives(folder, name, line):
-    options: dict[str, Any] = {"env": {"DISPLAY": name}, "timeout": 60, "cwd": folder}
-    done = python("-m", "presswear", *line.split(), **options)
-    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
-    assert all(word in done.stderr for word in ("no window can", "--movie", "--still"))
+def test_without_a_display_one_line_names_alternatives(
+    folder, name, line, monkeypatch, capfd
+):
+    monkeypatch.setenv("DISPLAY", name)
+    monkeypatch.chdir(folder)
+    assert main(line.split()) == 1
+    shown = capfd.readouterr().err
+    assert shown.count("\n") == 1
+    assert all(word in shown for word in ("no window can", "--movie", "--still"))
 
 
 @needs_xdotool
