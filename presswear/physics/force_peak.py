@@ -7,9 +7,10 @@ from presswear.physics.packed import JOINT
 from presswear.tools.compile import Records, compiled, lazily_compiled
 
 FORCE_SLOPE = 1e-3  # difference for the slope of the force, as a fraction of a step
-# Bisections for a maximum of the force. They locate it to 2e-4 of a step, and the force
-# to 1e-8 of its value.
-PEAK_HALVINGS = 12
+# Slope at which a maximum of the force is located, relative to the change of the slope
+# over the step: to 2e-4 of the step, and the force to 1e-8 of its value
+PEAK_TOL = 2e-4
+MAX_PEAK_STEPS = 12  # regula falsi needs three or four
 # Largest ratio of a peak to the larger force at the ends of its step; the largest that
 # was measured is 1.02.
 MAX_PEAK_RATIO = 1.05
@@ -56,13 +57,15 @@ def force_within(
 @compiled
 def end_force(
     joint: Records, onset: float, last: Records, contact: Records, h: float
-) -> float:
+) -> tuple[float, float, float]:
     """Return the larger normal force at the ends of a step, N; -1 without a maximum inside.
 
     There is a maximum inside if the force rises at the beginning of the step and falls
-    at its end.
+    at its end. Also return by how much, N, over the fraction FORCE_SLOPE of the step.
     """
     largest = 0.0
+    rise = 0.0
+    fall = 0.0
     for i in range(2):
         # While the pin goes deeper the force mostly rises until the end of the step.
         # The end is then tested first, because this test decides.
@@ -75,15 +78,19 @@ def end_force(
                 contact.closing,
                 onset,
             )
+            fall = force_within(joint, onset, last, contact, h, 0.0, s) - force
+            change = fall
         else:
-            s = FORCE_SLOPE
             force = normal_force(
                 joint.normal, last.elastic, last.penetration, last.closing, onset
             )
-        if force_within(joint, onset, last, contact, h, 0.0, s) <= force:
-            return -1.0
+            s = FORCE_SLOPE
+            rise = force_within(joint, onset, last, contact, h, 0.0, s) - force
+            change = rise
+        if change <= 0.0:
+            return -1.0, 0.0, 0.0
         largest = max(largest, force)
-    return largest
+    return largest, rise, fall
 
 
 @compiled
@@ -110,19 +117,35 @@ def maximum_force(
     contact: Records,
     h: float,
     quartic: float,
+    rise: float,
+    fall: float,
 ) -> float:
-    """Return the maximum of the normal force inside a step by bisection of its slope, N."""
+    """Return the maximum of the normal force inside a step, N.
+
+    The root of its slope is found by regula falsi in the Illinois form. ``rise`` and
+    ``fall`` are those of ``end_force``.
+    """
     low = 0.0
     high = 1.0 - FORCE_SLOPE
+    tolerance = PEAK_TOL * (rise + fall)
+    before = 0.0
     force = 0.0
-    for _ in range(PEAK_HALVINGS):
-        s = 0.5 * (low + high)
+    for _ in range(MAX_PEAK_STEPS):
+        s = low + (high - low) * rise / (rise + fall)
         force = force_within(joint, onset, last, contact, h, quartic, s)
         later = force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE)
-        if later > force:
+        slope = later - force
+        if abs(slope) <= tolerance:
+            break
+        if slope > 0.0:
             low = s
+            rise = slope
+            fall *= 0.5 if before > 0.0 else 1.0
         else:
             high = s
+            fall = -slope
+            rise *= 0.5 if before < 0.0 else 1.0
+        before = slope
     return force
 
 
@@ -136,11 +159,11 @@ def force_maximum(
     extrapolated powers.
     """
     onset = max(onset_speed, joint.onset_floor)
-    largest = end_force(joint, onset, last, contact, h)
+    largest, rise, fall = end_force(joint, onset, last, contact, h)
     if largest < 0.0:
         return 0.0
     quartic = quartic_of(last, contact, h)
-    force = maximum_force(joint, onset, last, contact, h, quartic)
+    force = maximum_force(joint, onset, last, contact, h, quartic, rise, fall)
     is_foundation = joint.foundation > 0.0 and joint.surface_bins > 0
     return 0.0 if is_foundation and force > MAX_PEAK_RATIO * largest else force
 
