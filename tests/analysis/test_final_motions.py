@@ -211,8 +211,9 @@ def test_least_speed_of_a_threshold(threshold):
 
 
 def test_a_slider_crank_comes_to_rest(tmp_path, monkeypatch):
-    """An independent simulator has 293 to 303 N, and rattles after 0.036, not after 0.006 m/s."""
+    """An independent simulator has 293 to 303 N, and returns after kicks of 0.006 m/s."""
     monkeypatch.setattr(kicks, "STATES", 1)
+    monkeypatch.setattr(kicks, "FACTORS", (2.0,))
     monkeypatch.setattr(settle, "STATES", 1)
     # Half of the starts rattle for 34 cycles, one in a thousand for 340.
     watch = Watch(4, 340)
@@ -223,7 +224,7 @@ def test_a_slider_crank_comes_to_rest(tmp_path, monkeypatch):
     assert 293.0 < motion.peak_force["B"] < 303.0
     least = motion.least_kick
     assert least is not None
-    assert 0.006 < least.returns < (least.rattles or 0.0) < 0.036
+    assert 0.006 < least.returns < (least.rattles or 0.0)
     assert "came to rest on the same motion" in summary(result, settled)[0]
     drawing = drawings_of(result)[0]
     assert len(drawing.sheet.axes) == 2
@@ -295,6 +296,11 @@ def test_half_life_of_the_slider_crank(tmp_path):
     (settled,) = result.values
     assert len(settled.motions) == 1
     assert settled.motions[0].share.mean == 1.0
+    # The independent simulator rattles after 0.036 m/s from one state: the boundary is
+    # fractal, and some of eight states rattle after less.
+    least = settled.motions[0].least_kick
+    assert least is not None
+    assert 0.006 < least.returns < (least.rattles or 0.0) < 0.036
     assert settled.motions[0].peak_force["B"] == pytest.approx(298.9, rel=0.01)
     assert settled.half_life is not None
     assert settled.half_life.low is not None
