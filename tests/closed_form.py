@@ -213,3 +213,15 @@ def slider_crank_motion(
     return _together(
         mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turning[0]}
     )
+
+
+def needed_power(linkage: Linkage, motion: Motion) -> Array:
+    """Return the rate of the kinetic energy less the power of the weights, W, shape (n,)."""
+    shape = motion.time.size, -1, 3
+    v = motion.velocity.reshape(shape)
+    a = motion.acceleration.reshape(shape)
+    masses = np.array([body.mass for body in linkage.bodies])
+    inertias = np.array([body.inertia for body in linkage.bodies])
+    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
+    power += (v[..., 2] * a[..., 2]) @ inertias
+    return np.asarray(power + linkage.gravity * v[..., 1] @ masses)

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan, Run
+from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import System, system_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
@@ -34,6 +34,13 @@ def run_scene(
     run = engine.for_cycle(period).simulate(
         linkage or scene.linkage(), start_of(scene), Plan(duration or period, 1, **plan)
     )
+    assert run.status == "completed", run.message
+    return run
+
+
+def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -> Run:
+    """Run a linkage from a start for a duration, s, in one cycle, to the end."""
+    run = engine.for_cycle(duration).simulate(linkage, start, Plan(duration, 1))
     assert run.status == "completed", run.message
     return run
 

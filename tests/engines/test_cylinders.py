@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from closed_form import needed_power
 from numpy.testing import assert_allclose
 from runs import compare_engines, run_scene
 from slotted import (
@@ -67,18 +68,6 @@ def _law_of_cosines(time: Array) -> Array:
     return np.array([angle, rate, numerator / (product * sine)])
 
 
-def _power(linkage: Linkage, motion: Motion) -> Array:
-    """Return the rate of the kinetic energy less the power of the weights, W, shape (n,)."""
-    shape = motion.time.size, -1, 3
-    v = motion.velocity.reshape(shape)
-    a = motion.acceleration.reshape(shape)
-    masses = np.array([body.mass for body in linkage.bodies])
-    inertias = np.array([body.inertia for body in linkage.bodies])
-    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
-    power += (v[..., 2] * a[..., 2]) @ inertias
-    return np.asarray(power + linkage.gravity * v[..., 1] @ masses)
-
-
 @pytest.mark.parametrize("is_reversed", [False, True])
 def test_boom_turns_by_the_law_of_cosines(is_reversed):
     motion, _ = _motion_of(boom(is_reversed=is_reversed))
@@ -94,7 +83,7 @@ def test_force_has_the_power_of_the_motion(make: Callable[..., Linkage], is_reve
     linkage = make(is_reversed=is_reversed)
     motion, force = _motion_of(linkage)
     speed = STROKE * SPEED * np.cos(SPEED * motion.time)
-    power = _power(linkage, motion)
+    power = needed_power(linkage, motion)
     allowed = 1e-9 * np.abs(power).max()
     assert_allclose(force[:, 0] * speed, power, atol=allowed)
 

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from closed_form import needed_power
 from numpy.testing import assert_allclose
 from runs import compare_engines
 from slotted import SPEED, cylinder
@@ -60,16 +61,7 @@ def test_force_has_the_power_of_the_motion():
     linkage = cylinder()
     ideal = ideal_motion(linkage, linkage.period)
     time = np.linspace(0.0, linkage.period, 97)
-    levels = ideal.at(time)
-    v, a = (
-        level.reshape(time.size, -1, 3)
-        for level in (levels.velocity, levels.acceleration)
-    )
-    masses = np.array([body.mass for body in linkage.bodies])
-    inertias = np.array([body.inertia for body in linkage.bodies])
-    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
-    power += (v[..., 2] * a[..., 2]) @ inertias
-    power += linkage.gravity * v[..., 1] @ masses
+    power = needed_power(linkage, ideal.at(time))
     phase = SPEED * time
     speed = SPEED * (0.04 * np.cos(phase) - 0.01 * np.sin(phase))
     speed += 2.0 * SPEED * 0.004 * np.cos(2.0 * phase)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from runs import step_response
+from runs import simulated, step_response
 from upright_press import SHEET, UP, blanked, from_the_top, upright_press
 
 import presswear as pw
@@ -58,8 +58,7 @@ def test_a_block_rings_along_its_guide(engine: Engine):
     along = np.array([math.cos(0.6), math.sin(0.6), 0.0])
     duration = 0.05
     start = Start(np.array([0.3, 0.2, 0.0]) + 1e-3 * along, np.zeros(3))
-    run = engine.for_cycle(duration).simulate(sprung(), start, Plan(duration, 1))
-    assert run.status == "completed", run.message
+    run = simulated(engine, sprung(), start, duration)
     exact = 1e-3 * step_response(OMEGA, RATIO, duration)
     error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
     place = float(along @ (run.end.position - [0.3, 0.2, 0.0]))

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import residual, run_scene, step_response
+from runs import residual, run_scene, simulated, step_response
 
 import presswear as pw
-from presswear.engines.base import Plan, Run, Start
+from presswear.engines.base import Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage, linkage_from
 from presswear.linkage.surface import Surface
@@ -34,12 +34,6 @@ def hung(ratio: float = RATIO, gravity: float = 9.81) -> Linkage:
     block = pw.Body("block", MASS, 1e-2)
     pin = pw.Pin("P", (0.0, 0.0), "block.centre", STIFFNESS, ratio)
     return pw.assemble([block], [pin], output="block", gravity=gravity, cycle=0.1)
-
-
-def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -> Run:
-    run = engine.for_cycle(duration).simulate(linkage, start, Plan(duration, 1))
-    assert run.status == "completed", run.message
-    return run
 
 
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)

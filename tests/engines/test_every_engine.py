@@ -44,7 +44,7 @@ def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine):
         engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
+@pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
 def test_without_gravity_a_turned_slider_crank_moves_alike(engine):
     """Up to the end of the first contact, after a fiftieth of a turn."""
     paths = []

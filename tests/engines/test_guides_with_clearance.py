@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import residual
+from runs import residual, simulated
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -206,9 +206,7 @@ def test_corner_forces_beside_the_middle():
     )
     linkage = pw.Scene(linkage, bearings={"guide": bearing}).linkage()
     start = Start(np.zeros(3), np.zeros(3))
-    engine = InHouse(integration_tolerance=1e-9)
-    run = engine.for_cycle(0.1).simulate(linkage, start, Plan(0.3, 1))
-    assert run.status == "completed", run.message
+    run = simulated(InHouse(integration_tolerance=1e-9), linkage, start, 0.3)
     tilt = abs(run.end.position[2])
     assert tilt == pytest.approx(2.983078e-4, rel=5e-5)  # with N = 15 kN
     lever = LENGTH * math.cos(tilt) - WIDTH * math.sin(tilt)

@@ -50,7 +50,9 @@ def test_the_slide_has_the_inertia_of_a_block():
     assert slider.inertia == pytest.approx(0.0288 * (0.1**2 + 0.05**2) / 12.0)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    "engine", [*ENGINES[:2], pytest.param(ENGINES[2], marks=pytest.mark.slow)]
+)
 def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine):
     run = run_of(SCENE, engine, BEFORE_THE_WORK)
     touches = [run.recorder.stored_contacts(k)[:, 0] for k in range(4)]

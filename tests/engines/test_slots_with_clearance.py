@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import compare_engines, residual, run_scene
+from runs import compare_engines, residual, run_scene, simulated
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from slotted import (
@@ -25,7 +25,7 @@ from slotted import (
 from two_bodies import contacts_in
 
 import presswear as pw
-from presswear.engines.base import Plan, Run, Start
+from presswear.engines.base import Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.guide_corner import WallMap
 from presswear.linkage.linkage import Linkage
@@ -136,8 +136,7 @@ def test_two_corners_of_a_face_touch_a_turning_wall_at_the_same_instant(
     """A block at rest in the disc flies straight on: y = r (p cos p - sin p), p = W t."""
     linkage = on_disc(restitution=1.0, contact_stiffness=1e10, exponent=1.5)
     start = from_disc(linkage, np.array([FIRST, 0.0, 0.0]), np.zeros(3), 0.3)
-    run = engine.for_cycle(0.01).simulate(linkage, start, Plan(0.01, 1))
-    assert run.status == "completed", run.message
+    run = simulated(engine, linkage, start, 0.01)
 
     def gap(phase: float) -> float:
         return FIRST * (phase * math.cos(phase) - math.sin(phase)) + C
@@ -163,9 +162,7 @@ def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
     still = 0.5 * MASS * TURN**2 * C / STIFF  # penetration by the centrifugal force
     place = np.array([FIRST, -C - still, 0.0])
     start = from_disc(linkage, place, np.zeros(3), 0.3)
-    run = engine.for_cycle(DURATION).simulate(linkage, start, Plan(DURATION, 1))
-    assert run.status == "completed", run.message
-    return linkage, run
+    return linkage, simulated(engine, linkage, start, DURATION)
 
 
 @pytest.mark.parametrize(("engine", "within"), ENGINES)
@@ -233,10 +230,8 @@ def test_walls_that_turn_are_those_of_a_turning_frame(engine: Engine, within):
     place = np.array([0.1, 0.05e-3, 1e-3])
     rates = np.array([-1.0, 0.2, 3.0])
     duration = 0.02
-    run = engine.for_cycle(duration).simulate(
-        linkage, from_disc(linkage, place, rates, 0.7), Plan(duration, 1)
-    )
-    assert run.status == "completed", run.message
+    start = from_disc(linkage, place, rates, 0.7)
+    run = simulated(engine, linkage, start, duration)
     touches = [len(run.recorder.stored_contacts(k)) for k in range(4)]
     assert sum(touches) > 8
     assert min(touches[0] + touches[1], touches[2] + touches[3]) > 1
@@ -273,8 +268,7 @@ def test_both_bodies_together_keep_their_momentum(engine: Engine, within):
         np.array([0.0, 0.0, turned, *block]),
         np.array([0.1, -0.2, 3.0, -0.4, 0.3, -2.0]),
     )
-    run = engine.for_cycle(0.02).simulate(linkage, start, Plan(0.02, 1))
-    assert run.status == "completed", run.message
+    run = simulated(engine, linkage, start, 0.02)
     assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 5
     mass, inertia = np.array([2.0, MASS]), np.array([0.02, INERTIA])
 
@@ -327,9 +321,7 @@ def test_corner_forces_on_a_turned_body():
     sizes = sized(linkage, "guide", length, width)
     linkage = pw.Scene(sizes, bearings={"guide": play}).linkage()
     start = Start(np.array([0.0, 0.0, angle, 0.0, 0.0, angle]), np.zeros(6))
-    engine = InHouse(integration_tolerance=1e-9)
-    run = engine.for_cycle(0.1).simulate(linkage, start, Plan(0.3, 1))
-    assert run.status == "completed", run.message
+    run = simulated(InHouse(integration_tolerance=1e-9), linkage, start, 0.3)
     tilt = abs(in_disc(run)[2])
     assert tilt == pytest.approx(2.983078e-4, rel=5e-5)
     lever = length * math.cos(tilt) - width * math.sin(tilt)

@@ -97,7 +97,7 @@ def test_a_mechanism_that_does_not_assemble_is_refused(make, message):
 )
 def test_press_geometry(name, low, high, start, fastest):
     press = Press(geometry=GEOMETRIES[name], speed=3.5 * math.pi)
-    motion = motion_of(press).at(np.linspace(0.0, press.period, 20_001))
+    motion = motion_of(press).at(np.linspace(0.0, press.period, 4001))
     i = 3 * Press().linkage().index("slider 6") + 1
     height, velocity, acceleration = (
         level[:, i] for level in (motion.position, motion.velocity, motion.acceleration)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from closed_form import needed_power
 from numpy.testing import assert_allclose
 from slotted import (
     HEIGHT,
@@ -128,16 +129,7 @@ def test_rod_in_a_swinging_block():
 def test_torque_has_the_power_of_the_motion(linkage: Linkage):
     """Torque times speed is the rate of the kinetic energy, less the power of the weights."""
     ideal = ideal_motion(linkage, linkage.period)
-    levels = ideal.at(TIME)
-    count = len(linkage.bodies)
-    v, a = (
-        level.reshape(-1, count, 3) for level in (levels.velocity, levels.acceleration)
-    )
-    masses = np.array([body.mass for body in linkage.bodies])
-    inertias = np.array([body.inertia for body in linkage.bodies])
-    weights = linkage.gravity * masses
-    power = (v[..., :2] * a[..., :2]).sum(axis=2) @ masses
-    power += (v[..., 2] * a[..., 2]) @ inertias + v[..., 1] @ weights
+    power = needed_power(linkage, ideal.at(TIME))
     torque = needed_torques(linkage, ideal, TIME)[:, 0]
     scale = np.abs(power).max()
     assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
