@@ -34,11 +34,13 @@ def greatest_bristle_damping(
     positive, less bent bristles resist, too: the force is linear in z, and positive at
     z = 0.
     """
+    if static <= coefficient:
+        return math.inf
     x = np.linspace(0.0, 6.0, 6001)  # v / v_s; above 6 the exponential is below 1e-15
     decay = np.exp(-x * x)
     level = coefficient + (static - coefficient) * decay  # g
     steepest = float((decay * x * (static / level - 1.0)).max()) * stribeck
-    return static / steepest if steepest > 0.0 else math.inf
+    return static / steepest
 
 
 @dataclass(frozen=True)

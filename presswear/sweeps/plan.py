@@ -365,7 +365,7 @@ class Table:
     def csv(self) -> str:
         """Return the table as CSV; a comment in the second line holds the units."""
         columns = self.columns()
-        units = self._units()
+        units = self.units
         names = [f"{name} {units.get(name, '')}".rstrip() for name in columns]
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -380,7 +380,7 @@ class Table:
 
         ``attrs["units"]`` holds the units of parameters and responses.
         """
-        return frames.frame(self.columns(), self._units())
+        return frames.frame(self.columns(), self.units)
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return the responses over the parameters and the replicates; needs xarray.
@@ -389,10 +389,11 @@ class Table:
         as those of a sample, have the dimension ``row``.
         """
         names = [column.key for column in self.parameters]
-        return frames.data_set(self.columns(), self._units(), [*names, "replicate"])
+        return frames.data_set(self.columns(), self.units, [*names, "replicate"])
 
-    def _units(self) -> dict[str, str]:
-        """Return the units of parameters and responses by column."""
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of parameters and responses by column."""
         columns = (*self.parameters, *self.responses)
         units = {column.key: column.unit for column in columns}
         halves = {

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,8 +62,9 @@ class Points:
 def points_of(table: Table, key: str) -> Points:
     """Return the means of a response over the replicates of each point.
 
-    Replicates share one pooled variance. Without replicates the intervals of the runs
-    are used.
+    The variance of a replicate is estimated from those of all points, as one number or as
+    a share of the mean (``_variances``). Without replicates the intervals of the runs are
+    used.
     """
     k = table.index(key)
     shape = (-1, table.replicates)
@@ -77,7 +79,8 @@ def points_of(table: Table, key: str) -> Points:
     halves = np.where(np.isfinite(values), halves, 0.0)
     variances = np.zeros(len(counts))
     if freedom > 0.0:
-        variances += np.nansum((values - means[:, None]) ** 2) / freedom
+        squares = np.nansum((values - means[:, None]) ** 2, axis=1)
+        variances = _variances(squares, counts - 1.0, means)
     elif counts.any() and np.isfinite(halves).all():
         freedom = math.inf
         interval_freedom = table.freedom[k] if table.freedom else math.inf
@@ -94,3 +97,47 @@ def points_of(table: Table, key: str) -> Points:
         freedom=freedom,
         interval_freedom=interval_freedom,
     )
+
+
+def _variances(squares: Array, freedom: Array, means: Array) -> Array:
+    """Return the variance of a replicate at each point, from sums of squared residuals.
+
+    Either all points have one variance, or it is proportional to the square of the mean,
+    as that of peak forces over the speed. The model with the greater likelihood of
+    normal residuals is used.
+    """
+    is_used = freedom > 0.0
+    total = float(freedom[is_used].sum())
+    equal = np.full(len(means), squares[is_used].sum() / total)
+    level = means[is_used] ** 2
+    if (
+        equal[0] == 0.0
+        or not level.all()
+        or abs(np.sign(means[is_used]).sum()) < level.size
+    ):
+        return equal
+    share = float((squares[is_used] / level).sum()) / total
+    cost = total * math.log(share) + float((freedom[is_used] * np.log(level)).sum())
+    if cost >= total * math.log(equal[0]):
+        return equal
+    return np.where(np.isfinite(means), share * means**2, equal)
+
+
+def means_of(table: Table) -> tuple[dict[str, list[Any]], dict[str, str]]:
+    """Return columns with a row for each point, and their units.
+
+    Columns are the parameters, and of each response the mean over its replicates, the
+    half width of its 95 % interval, the number of replicates with a value, and whether one
+    of them is a lower bound.
+    """
+    columns: dict[str, list[Any]] = {}
+    first = table.points[:: table.replicates]
+    for column, values in zip(table.parameters, first.T, strict=True):
+        columns[column.key] = [column.setting(value) for value in values.tolist()]
+    for column in table.responses:
+        points = points_of(table, column.key)
+        columns[column.key] = points.means.tolist()
+        columns[f"{column.key}_half_width"] = points.half_widths.tolist()
+        columns[f"{column.key}_replicates"] = points.counts.astype(int).tolist()
+        columns[f"{column.key}_is_lower_bound"] = points.censored.tolist()
+    return columns, table.units

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
+from presswear.results import frames
 from presswear.results.provenance import program_digest, provenance
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
@@ -20,6 +21,7 @@ from presswear.sweeps import runner
 from presswear.sweeps.parameters import texts_of
 from presswear.sweeps.plan import NOT_RUN, Plan, Table
 from presswear.sweeps.response_limits import ResponseLimit, parse_limits
+from presswear.sweeps.response_points import means_of
 from presswear.sweeps.response_readers import Response
 from presswear.sweeps.responses import (
     Requested,
@@ -142,9 +144,16 @@ class Sweep:
             f"; {len(errors)} failed, the first: {errors[0]}" if errors else ""
         )
 
-    def to_pandas(self) -> "pandas.DataFrame":
-        """Return the rows as a data frame; see ``Table.to_pandas``."""
-        return self.table.to_pandas()
+    def to_pandas(self, means: bool = False) -> "pandas.DataFrame":
+        """Return the rows as a data frame; see ``Table.to_pandas``.
+
+        With ``means`` a row is a point, and the columns of each response are the mean over
+        its replicates, ``KEY_half_width`` of its 95 % interval, ``KEY_replicates``, the
+        number of replicates with a value, and ``KEY_is_lower_bound``.
+        """
+        if not means:
+            return self.table.to_pandas()
+        return frames.frame(*means_of(self.table))
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return the responses over the parameters; see ``Table.to_xarray``."""

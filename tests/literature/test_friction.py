@@ -170,6 +170,7 @@ def test_allowed_damping_never_drives_the_sliding(coefficient, ratio, stribeck):
 
 def test_without_a_fall_of_friction_every_damping_is_allowed():
     assert greatest_bristle_damping(0.1, 0.1, 1e-3) == math.inf
+    assert greatest_bristle_damping(0.0, 0.0, 1e-3) == math.inf
     assert greatest_push(0.1, 0.1, 1e-3, 1e5) < 0.0
 
 

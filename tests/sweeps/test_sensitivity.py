@@ -97,6 +97,28 @@ def test_intervals_of_few_samples_do_not_overstate_chaos():
     assert points_of(table, "y").variances == pytest.approx(2.64 * NOISE**2, rel=0.01)
 
 
+@pytest.mark.parametrize("power", [0.0, 1.0])
+def test_scatter_of_replicates_may_grow_with_the_mean(power):
+    """Intervals hold at small and at large means; one variance fits only one of both."""
+    generator = np.random.default_rng(7)
+    points = np.linspace(0.0, 1.0, 200)[:, None]
+    truth = 100.0 ** points[:, 0]
+    scatter = 0.2 * truth**power
+    table = table_of(points, truth, replicates=3)
+    values = truth[:, None] + scatter[:, None] * generator.standard_normal((200, 3))
+    result = points_of(replace(table, values=values.reshape(-1, 1)), "y")
+    hits = np.abs(result.means - truth) <= result.half_widths
+    for part in (slice(0, 50), slice(150, 200)):
+        assert hits[part].mean() >= 0.88
+    assert np.sqrt(result.variances[[0, -1]]) == pytest.approx(
+        scatter[[0, -1]], rel=0.15
+    )
+    # A mean of zero has no share.
+    values[0] = 0.0, 0.1, -0.1
+    flat = points_of(replace(table, values=values.reshape(-1, 1)), "y").variances
+    assert flat.min() == flat.max()
+
+
 def test_failed_runs_are_omitted_and_too_few_have_no_indices():
     points = design("saltelli", 16, 3, seed=5)
     table = table_of(points, ishigami(points))

@@ -64,6 +64,14 @@ def test_a_row_has_the_numbers_of_a_run_of_its_scene(tmp_path):
     assert table.freedom == (1.0, 1.0)
     assert table.values[4, 0] != table.values[5, 0]
     assert "8 rows in" in str(sweep)
+    means = sweep.to_pandas(means=True)
+    assert means["A.friction"].tolist() == [0.02, 0.05, 0.02, 0.05]
+    assert (
+        means["peak"].tolist() == table.values[:, 0].reshape(4, 2).mean(axis=1).tolist()
+    )
+    assert (means["peak_half_width"] > 0.0).all()
+    assert means["peak_replicates"].tolist() == [2, 2, 2, 2]
+    assert means.attrs["units"]["bdc_error_half_width"] == "m"
     again = load_sweep(tmp_path / "sweep")
     assert np.array_equal(again.table.values, table.values)
     with pytest.raises(InputError, match="user functions as responses"):
