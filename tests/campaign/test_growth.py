@@ -97,7 +97,7 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign):
     """A rate that grows with depth; explicit Euler steps in represented cycles."""
     exact = RATE * REPRESENTED * (math.e - 1.0)
     errors = []
-    for cycles in (32, 64, 128):
+    for cycles in (32, 64):
         engine = FakeEngine(exponential)
         seen = campaign(SCENE, engine, cycles=cycles, wear_updates=1, replicates=3)
         peak = seen.stages[0].joints["A"].statistics.wear_peaks["bearing"]
@@ -108,7 +108,7 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign):
         part = (peak.step_error or 0.0) / peak.depth.mean
         assert peak.depth.high == pytest.approx(peak.depth.mean * math.exp(part))
         assert peak.depth.low == pytest.approx(peak.depth.mean * math.exp(-part))
-    assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.06)
 
 
 def test_refinements_continue_until_the_wear_is_known(campaign: Campaign):

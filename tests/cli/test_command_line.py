@@ -267,7 +267,7 @@ def test_lives_are_compared_and_resumed(tmp_path, command):
     out = tmp_path / "lives"
     command(f"new four-bar {file}")
     line = (
-        f"life {file} --engine dae --cycles 1 --jobs 1 --until B.depth>4um --no-report"
+        f"life {file} --engine dae --cycles 1 --jobs 1 --until B.depth>2um --no-report"
     )
     line += " --tolerance 1 --set life.max_cycles=40 --set replicates=2"
     line += " --compare wear_coefficient=9e-13/Pa"
