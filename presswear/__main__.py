@@ -25,11 +25,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     Signals wait until they are handled: an import that is interrupted ends in a
     traceback.
     """
+    words = sys.argv[1:] if argv is None else argv
     mask = _mask and _mask(
         signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
     )
-    import io
-
     from presswear.tools.errors import (
         InputError,
         KernelError,
@@ -39,19 +38,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     from presswear.tools.processes import exit_code, is_stopped, stoppable
 
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # Characters that the terminal lacks are written as escapes.
-            stream.reconfigure(errors="backslashreplace")
+    _write_unknown_characters_as_escapes()
     try:
         with stoppable():
             if _mask:
                 _mask(signal.SIG_SETMASK, mask)
-            try:
-                return _run(sys.argv[1:] if argv is None else argv)
-            finally:
-                if sys.stdout is not None:
-                    sys.stdout.flush()  # here its error can still be reported
+            return _run_and_flush(words)
     except InputError as error:
         return _fail(f"{error}", 2)
     except KernelError as error:
@@ -64,7 +56,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _fail(f"standard output cannot be written: {error.strerror}", 2)
         return _fail(f"{error.strerror}: {error.filename}", 1)
     except KeyboardInterrupt as error:
-        return _fail(f"{error}" if error.args else "interrupted", exit_code())
+        message = f"{error}" if error.args else "interrupted"
+        return _fail(message, exit_code())
     except Exception as error:
         if is_out_of_memory(error):
             return _fail("memory ran out", 1)
@@ -74,7 +67,26 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail("interrupted", exit_code())
 
 
+def _write_unknown_characters_as_escapes() -> None:
+    """Let standard output and error write characters that the terminal lacks as escapes."""
+    import io
+
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _run_and_flush(words: Sequence[str]) -> int:
+    """Run the command and flush standard output, while its error can still be reported."""
+    try:
+        return _run(words)
+    finally:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+
+
 def _run(words: Sequence[str]) -> int:
+    """Run the command of a command line and return its exit code."""
     if list(words) == ["--version"]:
         from importlib.metadata import version
 
@@ -114,6 +126,7 @@ def _is_output_broken() -> bool:
 
 
 def _fail(message: str, code: int) -> int:
+    """Print a message in one line and return the exit code."""
     from presswear.tools.errors import one_line
 
     print(one_line(f"presswear: {message}"), file=sys.stderr)

@@ -58,7 +58,7 @@ if TYPE_CHECKING:
 Branch = np.recarray[Any, Any]
 InitialState = Callable[[Scene], Start]
 
-# The places of periodic pins differ by 6e-4 of the clearance from those at 1e-9.
+# The places of periodic pins differ by 6e-4 of the clearance from a tolerance of 1e-9.
 ENGINE = InHouse("dopri5", 1e-6)
 PHASES = (0.25, 0.5, 0.75, 1.0)  # phases of the stored states
 DIRECTIONS = ("up", "down")
@@ -88,7 +88,7 @@ class Parameter:
     @staticmethod
     def parse(text: str, scene: Scene) -> "Parameter":
         """Return the parameter from text such as ``speed=2pi:12pi:200 rad/s``."""
-        key, _, values_text = (part.strip() for part in text.partition("="))
+        key, _, values_text = map(str.strip, text.partition("="))
         if not values_text:
             raise InputError(f"over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
         meaning = setting_of(scene, key).meaning
@@ -141,10 +141,11 @@ def continued(linkage: Linkage, previous: Linkage, end: Start, ideal: Start) -> 
     turns = np.round((position[2::3] - ideal.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
     clearance = np.array([joint.clearance for joint in linkage.clearances])
-    before = np.array([joint.clearance for joint in previous.clearances])
-    ratio = (clearance / before)[:, np.newaxis]
+    previous_clearance = np.array([joint.clearance for joint in previous.clearances])
+    ratio = (clearance / previous_clearance)[:, np.newaxis]
     pins = len(clearance) - len(linkage.corners)
     target = eccentricities(linkage, position) * ratio[:pins]
+    # All corners of a slide have the clearance of its guide.
     places = slides(linkage, position) * ratio[pins :: len(CORNERS)]
     position = move_pins(
         linkage,
@@ -202,9 +203,9 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     row["pins"] = pins.reshape(row["pins"].shape)
     row["numbers"] = run.recorder.cycles[-cycles.stored :]
     if cycles.exponent:
-        further = continued(linkage, linkage, run.end, start)
+        end = continued(linkage, linkage, run.end, start)
         with suppress(RunFailed):
-            exponent = largest_exponent(linkage, further, period, cycles.exponent)
+            exponent = largest_exponent(linkage, end, period, cycles.exponent)
             row["exponent"] = exponent.mean, exponent.half_width or math.nan
     return row
 
@@ -218,7 +219,7 @@ def run_branch(
     file: Path,
     report: Report,
 ) -> None:
-    """Run the values that the file of a branch does not hold, in order; write it after each."""
+    """Run the values that the file of a branch lacks, in order; write the file after each."""
     rows = list(read_branch(file)) if file.exists() else []
     for k in range(len(rows), len(values)):
         report(k / len(values))
@@ -338,24 +339,23 @@ class Diagram:
         sentences = []
         for direction, branch in self.branches.items():
             periods = self.periods(direction)
-            counts = Counter(
-                motion.period for motion in periods if motion and motion.period
-            )
+            motions = [motion for motion in periods if motion and motion.period]
+            counts = Counter(motion.period for motion in motions)
             listed = ", ".join(f"period {k} at {counts[k]}" for k in sorted(counts))
             sentence = (
                 f"{direction}: the motion is periodic at {counts.total()} of {len(periods)} values "
                 f"within {100.0 * TOLERANCE:g} % of the clearance in {self.cycles.stored} cycles"
             )
-            sentence += f" ({listed})" if listed else ""
+            if listed:
+                sentence += f" ({listed})"
             if self.cycles.exponent:
-                chaotic = int(
-                    np.sum(branch.exponent[:, 0] - branch.exponent[:, 1] > 0.0)
-                )
+                exponent, half_width = branch.exponent.T
+                chaotic = np.count_nonzero(exponent - half_width > 0.0)
                 sentence += (
                     f"; the confidence interval of the exponent is above 0 at {chaotic}"
                 )
-            failed = periods.count(None)
-            sentence += f"; {failed} runs failed" if failed else ""
+            if failed := periods.count(None):
+                sentence += f"; {failed} runs failed"
             sentences.append(f"{sentence}.")
         return sentences
 
@@ -381,10 +381,10 @@ def compute(
     scene.check_trusted()
     scene.check()
     inputs = {"scene": scene.as_dict(), "parameter": parameter, "cycles": cycles}
-    work: dict[int, Any] = {}
+    jobs_by_number: dict[int, Any] = {}
     for k, values in enumerate((parameter.values, parameter.values[::-1])):
         file = folder / f"{DIRECTIONS[k]}.npz"
-        work[k] = partial(
+        jobs_by_number[k] = partial(
             run_branch, scene, parameter.key, values, cycles, initial_state, file
         )
     with only_writer(folder, resume=True):
@@ -396,11 +396,12 @@ def compute(
         else:
             origin = {"schema": SCHEMA, "provenance": provenance()}
             write_json(folder / FILE, {**origin, **inputs})
-        with Workers(min(jobs or cores(), len(work)), (__name__,)) as workers:
+        count = min(jobs or cores(), len(jobs_by_number))
+        with Workers(count, (__name__,)) as workers:
             workers.run(
-                work,
+                jobs_by_number,
                 lambda key, outcome: {},
-                lambda key, done, word, rows: on_progress(DIRECTIONS[key], done),
+                lambda key, share, word, rows: on_progress(DIRECTIONS[key], share),
             )
     return load_diagram(folder)
 

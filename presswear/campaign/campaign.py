@@ -25,6 +25,7 @@ from presswear.campaign.wear_update import (
     start_up_of,
     unknown_wear,
 )
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.observer import Observer
 from presswear.recording.soundness import Finding
 from presswear.results.life import LifeResult
@@ -98,7 +99,7 @@ class _Campaign:
         return "completed", "", None
 
     def _keep(self, is_stage: bool = False, **changes: Any) -> None:
-        """Pass the present state on, with what has changed meanwhile."""
+        """Pass the present state on to the observers, with the changed fields."""
         for observer in self.runner.observers:
             observer.on_checkpoint(replace(self.at, **changes), is_stage)
 
@@ -115,6 +116,7 @@ class _Campaign:
         )
 
     def _run_life(self) -> None:
+        """Run or resume the service life, and report it."""
         runner = self.runner
         scene = self.runner.scene
         state = self.at.life or LifeState()
@@ -142,10 +144,9 @@ class _Campaign:
         # The life is a mean over the refinements; the surfaces are those of the last
         # one.
         self.strokes = min(life.strokes, float(refinements[-1].strokes[-1]))
-        # The wear update after a stage is for the part of the life up to the next
-        # stage.
-        part = max(self.strokes / scene.wear_updates, 1.0)
-        runner.scene = replace(scene, cycles_per_update=part)
+        # The wear update after a stage stands for the strokes up to the next stage.
+        strokes_per_update = max(self.strokes / scene.wear_updates, 1.0)
+        runner.scene = replace(scene, cycles_per_update=strokes_per_update)
 
     def _run_stage(self, index: int) -> Outcome | None:
         """Run a stage and the wear update after it; return how it failed, or None."""
@@ -184,40 +185,57 @@ class _Campaign:
 
     def _apply_wear(self, index: int, ensemble: Ensemble) -> Finding | None:
         """Apply the wear after a stage, by updates or of the life; return the finding."""
-        runner = self.runner
         scene = self.runner.scene
         joints = ensemble.linkage.clearances
         if self.strokes is not None:
-            assert self.at.life is not None
-            since, until = (
-                self.strokes * k / scene.wear_updates for k in (index, index + 1)
-            )
-            refinements = self.at.life.refinements
-            initial = initial_depth(scene)
-            update = wear_between(refinements, joints, initial, since, until)
-            self.at = replace(self.at, update=update)
+            self._apply_wear_of_life(index, self.strokes, joints)
             return None
         if self.at.stage is None:
             self.at = replace(self.at, stage=ensemble.state, running=EnsembleState())
         self._keep()
-        each = cycles_of_update(scene, ensemble)
+        cycles = cycles_of_update(scene, ensemble)  # cycles that the update stands for
+        if scene.wears_in_steps:
+            return self._refine_update(index, ensemble, cycles)
+        update = jump(ensemble, cycles)
+        self.at = replace(self.at, update=update)
+        where = f"after stage {index} "
         time = ensemble.simulated_s
-        at_end = (index + 1) * each
-        if not scene.wears_in_steps:
-            update = jump(ensemble, each)
-            self.at = replace(self.at, update=update)
-            return worn_out(joints, update.depth, f"after stage {index} ", time, at_end)
+        return worn_out(joints, update.depth, where, time, (index + 1) * cycles)
+
+    def _apply_wear_of_life(
+        self, index: int, strokes: float, joints: Sequence[ClearanceJoint]
+    ) -> None:
+        """Apply the wear of the service life from a stage to the next one."""
+        assert self.at.life is not None
+        scene = self.runner.scene
+        since = strokes * index / scene.wear_updates
+        until = strokes * (index + 1) / scene.wear_updates
+        refinements = self.at.life.refinements
+        initial = initial_depth(scene)
+        update = wear_between(refinements, joints, initial, since, until)
+        self.at = replace(self.at, update=update)
+
+    def _refine_update(
+        self, index: int, ensemble: Ensemble, cycles: float
+    ) -> Finding | None:
+        """Apply a wear update in steps, in refinements up to the tolerance."""
+        runner = self.runner
+        scene = self.runner.scene
+        joints = ensemble.linkage.clearances
+        at_end = (index + 1) * cycles
         finding = None
         if self.at.update is None:
             # Surfaces that fit each other better wear more slowly, but hardly at half
             # the rate.
-            depth = jump(ensemble, 0.5 * each).depth
+            depth = jump(ensemble, 0.5 * cycles).depth
             where = f"in half of the {stage_name(index + 1)} at the present rate "
-            finding = worn_out(joints, depth, where, time, at_end - 0.5 * each)
+            time = ensemble.simulated_s
+            finding = worn_out(joints, depth, where, time, at_end - 0.5 * cycles)
         start_up = start_up_of(ensemble.settling)
-        while not finding and (
-            spec := refinement_spec(scene, index, each, self.at.update, start_up)
-        ):
+        while finding is None:
+            spec = refinement_spec(scene, index, cycles, self.at.update, start_up)
+            if spec is None:
+                break
             runner.later = 2.0 * spec.cycles if self.at.update is None else 0.0
             _LOG.info("the wear after stage %d begins: %s", index, spec.label)
             worn = self._run(ensemble.depth, spec)
@@ -227,24 +245,24 @@ class _Campaign:
             time = worn.simulated_s
             finding = worn_out(joints, worn.surface_depth, where, time, at_end)
             if finding is None:
-                update = cycle_by_cycle(worn, each, self.at.update, start_up)
+                update = cycle_by_cycle(worn, cycles, self.at.update, start_up)
                 self.at = replace(self.at, update=update, running=EnsembleState())
         return finding
 
     def _finish(self, stage: StageResult) -> None:
+        """Log and report a finished stage, and keep the reasons why it is not converged."""
         if self.at.life is None:
             self.unconverged += unknown_wear(self.runner.scene, stage)
         settling = stage.statistics.settling
         if settling and settling.verdict == "mixed":
             self.unconverged.append(f"{stage.name}: {sentence_of(settling)}")
-        steps = {
-            key: value
-            for key, value in stage.diagnostics.items()
-            if key.startswith("steps")
-        }
-        how = stage.message or stage.status
+        diagnostics = stage.diagnostics.items()
+        steps = {key: value for key, value in diagnostics if key.startswith("steps")}
+        reason = stage.message or stage.status
         cycles = stage.statistics.cycles
-        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, cycles, steps)
+        _LOG.info(
+            "stage %d ends: %s, %d cycles, %s", stage.index, reason, cycles, steps
+        )
         for observer in self.runner.observers:
             observer.on_stage(stage)
         if self.runner.scene.is_quick and stage.status != "failed":

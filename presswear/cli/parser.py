@@ -5,6 +5,7 @@ import math
 import re
 import shlex
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -33,16 +34,17 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse as ``argparse`` does, and suggest names for unrecognized words."""
-        arguments, rest = super().parse_known_args(args, namespace)
-        if rest:
+        arguments, unrecognized = super().parse_known_args(args, namespace)
+        if unrecognized:
             options = self._option_string_actions
-            hint = nearest(rest[0].partition("=")[0], options)
-            hint = hint or f"; see {self.prog} --help"
-            setting = _intended_setting(rest, getattr(arguments, "scene", ""))
+            option, _, _ = unrecognized[0].partition("=")
+            hint = nearest(option, options) or f"; see {self.prog} --help"
+            setting = _intended_setting(unrecognized, getattr(arguments, "scene", ""))
             if "--set" in options and setting:
                 hint = f"; use --set {shlex.quote(setting)} to set a value of the scene"
-            raise InputError(f"unrecognized arguments: {' '.join(rest)}{hint}")
-        return arguments, rest
+            words = " ".join(unrecognized)
+            raise InputError(f"unrecognized arguments: {words}{hint}")
+        return arguments, unrecognized
 
     def error(self, message: str) -> NoReturn:
         """Raise InputError instead of exiting."""
@@ -53,14 +55,15 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f"{message}; see {self.prog} --help")
 
 
-def _intended_setting(rest: Sequence[str], scene: str) -> str:
+def _intended_setting(unrecognized: Sequence[str], scene: str) -> str:
     """Return the value for ``--set`` that unrecognized words seem to mean, or an empty text."""
     from presswear.cli.terminal import load_scene  # slow to import
     from presswear.scene.setting_list import settings_of
 
-    key, equals, value = rest[0].partition("=")
+    first, *others = unrecognized
+    key, equals, value = first.partition("=")
     if not key.startswith("-"):
-        return rest[0] if equals else "KEY=VALUE"
+        return first if equals else "KEY=VALUE"
     key = key.lstrip("-")
     if not scene:
         return ""
@@ -70,8 +73,9 @@ def _intended_setting(rest: Sequence[str], scene: str) -> str:
         return ""
     if key not in keys:
         return ""
-    following = rest[1] if len(rest) > 1 else ""
-    return f"{key}={value or following or 'VALUE'}"
+    if not value:
+        value = others[0] if others else "VALUE"
+    return f"{key}={value}"
 
 
 def with_joined_command(words: Sequence[str]) -> list[str]:
@@ -92,7 +96,8 @@ def parser_for(words: Sequence[str]) -> Parser:
     ``words`` are those of ``with_joined_command``.
     """
     command = next((word for word in words if not word.startswith("-")), "")
-    return parser_with([command])[0]
+    parser, _ = parser_with([command])
+    return parser
 
 
 def parser_with(
@@ -109,15 +114,17 @@ def parser_with(
     parsers = {}
     for name in listed:
         content = COMMANDS[name]
-        texts = _texts() if name in names else TEXTS
-        parsers[name] = commands.add_parser(
+        command = commands.add_parser(
             name,
             help=content["help"],
-            description=content["description"].format(**texts) if name in names else "",
+            description="",
             epilog=f"example: {content['example']}",
         )
         if name in names:
-            _add_arguments(parsers[name], content, texts)
+            texts = _texts()
+            command.description = content["description"].format(**texts)
+            _add_arguments(command, content, texts)
+        parsers[name] = command
     return parser, parsers
 
 
@@ -127,21 +134,23 @@ def _texts() -> dict[str, str]:
     from presswear.scene.files import EXAMPLES
     from presswear.scene.options import LIFE_QUANTITIES, Life
 
+    quantities = []
+    for name, quantity in LIFE_QUANTITIES.items():
+        quantities.append(f"{name}: {quantity.text}")
     return {
         **TEXTS,
         "scenes": ", ".join(SCENES),
         "kinds": ", ".join(EXAMPLES),
         "until": Life().until,
         "at_most": f"{Life().at_most:g}",
-        "quantities": "; ".join(
-            f"{name}: {quantity.text}" for name, quantity in LIFE_QUANTITIES.items()
-        ),
+        "quantities": "; ".join(quantities),
     }
 
 
 def _add_arguments(
     parser: argparse.ArgumentParser, content: dict[str, Any], texts: dict[str, str]
 ) -> None:
+    """Add the arguments of a command to its parser, with ``texts`` in their helps."""
     shared = {name: SHARED[name] for name in content.get("shared", ())}
     arguments = {**shared, **content.get("arguments", {})}
     # argparse cannot print the help of an empty group.
@@ -168,13 +177,14 @@ def number(
     to_most = f" to {most}" if most else ""
 
     def convert(text: str) -> float:
-        try:
-            is_plain = text.isascii() and (
-                text.isdigit() if kind == "integer" else "_" not in text
-            )
-            value = float(text) if is_plain else math.nan
-        except ValueError:
-            value = math.nan
+        # Python would take underscores, and digits of all scripts.
+        is_plain = text.isascii() and "_" not in text
+        if kind == "integer":
+            is_plain = text.isascii() and text.isdigit()
+        value = math.nan
+        if is_plain:
+            with suppress(ValueError):
+                value = float(text)
         if not low <= value <= high:
             message = f"{text[:80]}: must be {what}{of_unit} from {least}{to_most}"
             raise argparse.ArgumentTypeError(message)
@@ -193,13 +203,12 @@ def folder(text: str) -> Path:
 def size(text: str) -> tuple[int, int]:
     """Return width and height of a picture, pixels."""
     match = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
-    if match is None or not all(
-        MIN_SIZE <= int(part) <= MAX_SIZE for part in match.groups()
-    ):
+    width, height = map(int, match.groups()) if match else (0, 0)
+    if not MIN_SIZE <= min(width, height) <= max(width, height) <= MAX_SIZE:
         raise argparse.ArgumentTypeError(
             f"{text[:80]}: must be WIDTHxHEIGHT, each {MIN_SIZE} to {MAX_SIZE} pixels"
         )
-    return int(match[1]), int(match[2])
+    return width, height
 
 
 CONVERTERS: dict[str, Callable[[str], Any]] = {

@@ -118,7 +118,8 @@ def _periodic(start: Array, polynomial: Array, wave: Array, net: float) -> Piece
     """
     order = np.argsort(start % TURN)
     pieces = Pieces((start % TURN)[order], polynomial[order], wave[order], net)
-    pieces.polynomial[:, 0] -= pieces.at(np.zeros(1))[0][0]
+    value_at_start, _, _ = pieces.at(np.zeros(1))
+    pieces.polynomial[:, 0] -= value_at_start
     return pieces
 
 
@@ -166,8 +167,8 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
     """Return rises one after the other, with dwells between them where there is room."""
     rows: list[tuple[float, Array, tuple[float, float, float]]] = []
     level = 0.0
-    ways = []
-    for rise, then in zip(rises, next_starts(rises), strict=True):
+    heights = []
+    for rise, next_start in zip(rises, next_starts(rises), strict=True):
         length = rise.end - rise.start
         scale = rise.by / length ** np.arange(DEGREE + 1)
         for start, factors, (amplitude, w, first) in RISES[rise.law]:
@@ -177,18 +178,16 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
             polynomial[0] += level
             sine = rise.by * amplitude, w / length, first
             rows.append((rise.start + start * length, polynomial, sine))
-        ways.append(rise.by)
-        level = math.fsum(ways)
-        # The sum of decimal numbers there and back may be round-off.
-        if abs(level) < 1e-12 * math.fsum(map(abs, ways)):
+        heights.append(rise.by)
+        level = math.fsum(heights)
+        # The sum of rises and returns in decimal numbers may be round-off.
+        if abs(level) < 1e-12 * math.fsum(map(abs, heights)):
             level = 0.0
-        if then - rise.end > PHASE_TOL:
-            rows.append(
-                (rise.end, np.array([level, *np.zeros(DEGREE)]), (0.0, 0.0, 0.0))
-            )
-    starts, polynomials, waves = (
-        np.array(column) for column in zip(*rows, strict=True)
-    )
+        if next_start - rise.end > PHASE_TOL:
+            dwell = np.array([level, *np.zeros(DEGREE)])
+            rows.append((rise.end, dwell, (0.0, 0.0, 0.0)))
+    columns = zip(*rows, strict=True)
+    starts, polynomials, waves = (np.array(column) for column in columns)
     polynomials[:, 0] -= level / TURN * starts
     polynomials[:, 1] -= level / TURN
     return _periodic(starts, polynomials, waves, level)
@@ -196,10 +195,9 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
 
 def next_starts(rises: tuple[Rise, ...]) -> list[float]:
     """Return the phase at which the rise after each one starts, rad."""
-    return [
-        *(rise.start for rise in rises[1:]),
-        *(rise.start + TURN for rise in rises[:1]),
-    ]
+    starts = [rise.start for rise in rises]
+    following = [start + TURN for start in starts[:1]]  # the first of the next cycle
+    return [*starts[1:], *following]
 
 
 def check_table(table: Sequence[Sequence[float]], owner: str) -> None:
@@ -210,10 +208,14 @@ def check_table(table: Sequence[Sequence[float]], owner: str) -> None:
     phases = [row[0] for row in table]
     length = phases[-1] - phases[0]
     closes = length > TURN - PHASE_TOL
-    rows = len(table) - closes
+    rows = len(table)
+    if closes:  # the last row repeats the first
+        rows -= 1
     if not MIN_ROWS <= rows <= MAX_PIECES:
         raise InputError(f"{label} {rows} rows; allowed are {MIN_ROWS} to {MAX_PIECES}")
-    gaps = [*np.diff(phases), *([] if closes else [TURN - length])]
+    gaps = np.diff(phases).tolist()
+    if not closes:
+        gaps.append(TURN - length)
     if phases[0] < 0.0 or min(gaps) < MIN_PIECE or length > TURN + PHASE_TOL:
         allowed = f"from 0 or above, by {MIN_PIECE:g} rad or more, in a cycle of 2 pi"
         span = f"phases from {phases[0]:g} to {phases[-1]:g} rad"

@@ -56,12 +56,17 @@ def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
     return tuple(lines)
 
 
-_WEARS = _lines(*((settings.WEAR, k) for k in (0, 1, 2)))
+_WEARS = _lines((settings.WEAR, 0), (settings.WEAR, 1), (settings.WEAR, 2))
 _FRICTIONS = _lines(
-    *((s, k) for k in (0, 1) for s in (settings.FRICTION, settings.HIGH_FRICTION))
+    (settings.FRICTION, 0),
+    (settings.HIGH_FRICTION, 0),
+    (settings.FRICTION, 1),
+    (settings.HIGH_FRICTION, 1),
 )
-_SPEEDS = _lines(*((s, k) for s in (settings.SLOW, settings.FAST) for k in (0, 1)))
-# numbers of wear and motion
+_SPEEDS = _lines(
+    (settings.SLOW, 0), (settings.SLOW, 1), (settings.FAST, 0), (settings.FAST, 1)
+)
+# Number of the first figure of wear, of the first figure of motion, and lines
 GROUPS = ((8, 17, _WEARS), (11, 20, _FRICTIONS), (14, 23, _SPEEDS))
 
 
@@ -69,12 +74,10 @@ def drawings(evidence: Evidence) -> Iterator[Drawing]:
     """Draw the figures in the order of their numbers."""
     for number, _, lines in GROUPS:
         with matplotlib.rc_context(STYLE):
-            every = [depths(evidence, number, lines)]
-            every += [
-                surfaces(evidence, number + k, lines, joint)
-                for k, joint in enumerate(JOINTS, 1)
-            ]
-        yield from filter(None, every)
+            figures = [depths(evidence, number, lines)]
+            for k, joint in enumerate(JOINTS, 1):
+                figures.append(surfaces(evidence, number + k, lines, joint))
+        yield from filter(None, figures)
     for _, number, lines in GROUPS:
         yield from _motion_figures(evidence, number, lines)
 
@@ -84,16 +87,13 @@ def _motion_figures(
 ) -> Iterator[Drawing]:
     """Draw motion, force and path of each setting, and their peaks."""
     count = 1 + max(line.wear_updates for line in lines)
-    slider = [
-        (quantity, "") for quantity in ("displacement", "velocity", "acceleration")
-    ]
-    forces = [("force", joint) for joint in JOINTS]
-    kinds: dict[str, list[tuple[str, str]]] = {
-        "response": slider,
-        "force": forces,
+    # Quantities and joints whose peaks are drawn, by figure
+    compared: dict[str, list[tuple[str, str]]] = {
+        "response": [("displacement", ""), ("velocity", ""), ("acceleration", "")],
+        "force": [("force", joint) for joint in JOINTS],
         "path": [],
     }
-    for k, (kind, shown) in enumerate(kinds.items()):
+    for k, (kind, quantities) in enumerate(compared.items()):
         for setting in dict.fromkeys(line.setting for line in lines):
             if (result := evidence.results.get(run_name(BASE, setting))) is None:
                 continue
@@ -104,9 +104,9 @@ def _motion_figures(
                     drawing, file=f"fig-{number + k}-{setting}.png", title=title
                 )
         with matplotlib.rc_context(STYLE):
-            compared = peaks(evidence, number + k, lines, shown)
-        if compared is not None:
-            yield compared
+            peak_figure = peaks(evidence, number + k, lines, quantities)
+        if peak_figure is not None:
+            yield peak_figure
 
 
 def surfaces(
@@ -178,6 +178,7 @@ def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | 
 def _draw_depths(
     axes: Axes, evidence: Evidence, lines: Sequence[Line], joint: str
 ) -> None:
+    """Draw measured depths with intervals, and the printed deepest wear."""
     maps = {line: evidence.wear_map(BASE, line.at(joint)) for line in lines}
     printed = {line: printed_at(line.at(joint), "depth") for line in lines}
     largest = [1e6 * float(worn.mean.max()) for worn in maps.values() if worn]
@@ -203,19 +204,38 @@ def _draw_depths(
                 gid="printed",
                 **_DIAMOND,
             )
-    axes.set(xlim=(0.0, 360.0), yscale="log" if is_logarithmic else "linear")
-    axes.set_ylim(floor, 3.0 * max(largest) if is_logarithmic else None)
+    axes.set_xlim(0.0, 360.0)
+    if is_logarithmic:
+        axes.set_yscale("log")
+        axes.set_ylim(floor, 3.0 * max(largest))
+    else:
+        axes.set_yscale("linear")
+        axes.set_ylim(floor, None)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
 
 
 def _measured(
     evidence: Evidence, lines: Sequence[Line], quantity: str, joint: str
 ) -> Iterator[tuple[int, Line, Measured]]:
-    """Yield place in the figure, line and value of what was computed."""
+    """Yield place in the figure, line and value of each line with a computed value."""
     for place, line in enumerate(lines):
         measured = evidence.measured(BASE, line.at(joint), quantity)
         if measured is not None:
             yield place, line, measured
+
+
+def _draw_peak(axes: Axes, height: int, colour: str, measured: Measured) -> None:
+    """Draw the mean of the peaks of cycles, its interval, and the range of single cycles."""
+    estimate = measured.estimate
+    if measured.single_cycles is not None:
+        low, high = measured.single_cycles
+        axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
+    if estimate.low is not None:
+        interval = (estimate.low, estimate.high)
+        axes.plot(interval, (height, height), color=colour, linewidth=1.8)
+    axes.plot(
+        estimate.mean, height, color=colour, marker="o", markersize=4.5, gid="mean"
+    )
 
 
 def peaks(
@@ -224,33 +244,17 @@ def peaks(
     lines: Sequence[Line],
     shown: Sequence[tuple[str, str]],
 ) -> Drawing | None:
-    """Draw means, scatter and printed values of the peaks of cycles, one row for each line."""
+    """Draw means, scatter and printed values of the peaks of cycles, one row for each line.
+
+    ``shown`` are quantities and joints.
+    """
     if not shown or not any(_measured(evidence, lines, *shown[0])):
         return None
     sheet, grid = panels(1, len(shown), 0.85 + 0.24 * len(lines), sharey=True)
     for axes, (quantity, joint) in zip(grid[0], shown, strict=True):
         row = QUANTITIES[quantity]
         for height, line, measured in _measured(evidence, lines, quantity, joint):
-            colour = line.pen.colour
-            estimate = measured.estimate
-            if measured.single_cycles is not None:
-                low, high = measured.single_cycles
-                axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
-            if estimate.low is not None:
-                axes.plot(
-                    (estimate.low, estimate.high),
-                    (height, height),
-                    color=colour,
-                    linewidth=1.8,
-                )
-            axes.plot(
-                estimate.mean,
-                height,
-                color=colour,
-                marker="o",
-                markersize=4.5,
-                gid="mean",
-            )
+            _draw_peak(axes, height, line.pen.colour, measured)
             printed = printed_at(line.at(joint), quantity)
             if printed is not None:
                 axes.plot(

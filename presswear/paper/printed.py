@@ -7,10 +7,10 @@ The units are SI and rad.
 
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import radians
 from typing import Any, Literal, cast
 
@@ -76,27 +76,28 @@ def _printed_peaks() -> Iterator[Printed]:
 
 PRINTED: tuple[Printed, ...] = (*_printed_depths(), *_printed_peaks())
 
-# places whose printed depth has probably lost a power of ten
+# Places whose printed depth has probably lost a power of ten
 LOST_FACTOR = _misprint(["lost_factor"])
 DOUBTFUL = frozenset(
     number.place for number in PRINTED if number.misprint == LOST_FACTOR
 )
 
-# figure, joint, arcs in which it is mainly worn (rad)
-RANGES = tuple(
-    (figure, joint, tuple((radians(low), radians(high)) for low, high in arcs))
-    for figure, joint, arcs in _DATA["ranges"]
-)
+
+def _ranges() -> Iterator[tuple[str, str, list[tuple[float, float]]]]:
+    """Yield figure, joint, and the arcs in which it is mainly worn, rad."""
+    for figure, joint, arcs in _DATA["ranges"]:
+        yield figure, joint, [(radians(low), radians(high)) for low, high in arcs]
+
+
+RANGES = tuple(_ranges())
 
 
 def printed_at(place: Place, quantity: str) -> Printed | None:
     """Return the printed number of a quantity at a place; None if none is printed."""
-    numbers = (
-        number
-        for number in PRINTED
-        if (number.place, number.quantity) == (place, quantity)
-    )
-    return next(numbers, None)
+    for number in PRINTED:
+        if number.place == place and number.quantity == quantity:
+            return number
+    return None
 
 
 # --- Claims -------------------------------------------------------------------------
@@ -122,15 +123,20 @@ class Comparison:
     @property
     def printed(self) -> float | None:
         """Ratio or difference of the printed numbers; None if one of them is not printed."""
-        places = (*self.over, *self.under)
-        numbers = [printed_at(place, self.quantity) for place in places]
-        values = [number.value for number in numbers if number is not None]
-        if len(values) < len(places):
+        numerators = _printed_values(self.over, self.quantity)
+        denominators = _printed_values(self.under, self.quantity)
+        if numerators is None or denominators is None:
             return None
         if self.is_difference:
-            return wrapped_angle(values[0] - values[1])
-        count = len(self.over)
-        return math.prod(values[:count]) / math.prod(values[count:])
+            return wrapped_angle(numerators[0] - denominators[0])
+        return math.prod(numerators) / math.prod(denominators)
+
+
+def _printed_values(places: Sequence[Place], quantity: str) -> list[float] | None:
+    """Return the printed numbers of a quantity; None if one of them is not printed."""
+    numbers = [printed_at(place, quantity) for place in places]
+    values = [number.value for number in numbers if number is not None]
+    return values if len(values) == len(places) else None
 
 
 @dataclass(frozen=True)
@@ -139,7 +145,7 @@ class Claim:
 
     where: str  # section and figure
     quote: str  # words of the paper, shortened
-    parts: tuple[Comparison, ...]
+    comparisons: tuple[Comparison, ...]
     note: str = ""  # interpretation of the words, or what is odd about them
 
 
@@ -201,29 +207,36 @@ def _between_settings(
             yield [Place(*second, joint)], [Place(*first, joint)]
 
 
-CLAIMS = tuple(
-    Claim(
-        item["where"],
-        item["quote"],
-        tuple(part for words in item["parts"] for part in comparisons(words)),
-        item.get("note", "").format(**_CLAIMS["notes"]),
+def _claim(data: Mapping[str, Any]) -> Claim:
+    """Return a claim from its table in ``claims.toml``."""
+    return Claim(
+        where=data["where"],
+        quote=data["quote"],
+        comparisons=tuple(chain(*map(comparisons, data["parts"]))),
+        note=data.get("note", "").format(**_CLAIMS["notes"]),
     )
-    for item in _CLAIMS["claims"]
-)
 
-COMPARISONS = len({part for claim in CLAIMS for part in claim.parts})
+
+CLAIMS = tuple(map(_claim, _CLAIMS["claims"]))
+# Number of different comparisons of all claims
+COMPARISONS = len(set(chain(*(claim.comparisons for claim in CLAIMS))))
 
 _SHOWN = f"{WEAR}:1 {WEAR}:2 {FRICTION}:1 {HIGH_FRICTION}:1 {SLOW}:1 {FAST}:1"
-DEPTH_RATIOS = (  # what the printed depths predict although K_d / b is not printed
+
+
+def _inverse(comparison: Comparison) -> Comparison:
+    """Return a comparison with numerators and denominators exchanged."""
+    return replace(comparison, over=comparison.under, under=comparison.over)
+
+
+# Ratios of printed depths, which do not depend on K_d / b, because it is not printed
+DEPTH_RATIOS = (
     *comparisons("depth more wear A,C 1,2"),
-    *(
-        replace(comparison, over=comparison.under, under=comparison.over)
-        for comparison in comparisons(f"depth more joints {_SHOWN}")
-    ),
+    *map(_inverse, comparisons(f"depth more joints {_SHOWN}")),
     *comparisons("depth more friction A,C 1"),
     *comparisons("depth more speed A,C 1"),
 )
-# comparisons at joint A that the report states first
+# Comparisons at joint A that the report states first
 HIGHLIGHTS = {
     name: next(comparisons(words)) for name, words in _CLAIMS["highlights"].items()
 }

@@ -50,7 +50,8 @@ def claim_table(evidence: Evidence, claims: Sequence[Judged]) -> Table:
     for judged in claims:
         label = f"§ {judged.claim.where}: “{judged.claim.quote}”"
         lines.append((label, *(judged.text(case) for case in JUDGED), judged.geometry))
-        details = (detail(evidence, part) for part in judged.claim.parts)
+        comparisons = judged.claim.comparisons
+        details = (detail(evidence, comparison) for comparison in comparisons)
         meanings[label] = " | ".join(filter(None, (judged.claim.note, *details)))
     head = ("the paper's words", *GEOMETRIES, "refined conventions", "geometry")
     return Table(head, (("", tuple(lines)),), numeric=False, meanings=meanings)

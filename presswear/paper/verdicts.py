@@ -182,11 +182,11 @@ class Judged:
     """Claim with the verdicts on its comparisons, by case."""
 
     claim: Claim
-    parts: dict[str, tuple[Verdict, ...]]
+    verdicts: dict[str, tuple[Verdict, ...]]
 
     def verdict(self, case: str = BASE) -> Verdict:
         """Return the verdict under a case."""
-        return combined(self.parts[case])
+        return combined(self.verdicts[case])
 
     @property
     def geometry(self) -> str:
@@ -200,12 +200,14 @@ class Judged:
 
     def text(self, case: str) -> str:
         """Return the verdict, with counts where comparisons disagree or are missing."""
-        count = Counter(self.parts[case])
+        count = Counter(self.verdicts[case])
         missing = count.pop("not computed", 0)
         text = f"{self.verdict(case)}"
         if len(count) > 1:
             text += f" ({count['holds']} of {count.total()} hold)"
-        return text + (f" ({missing} not computed)" if missing and count else "")
+        if missing and count:
+            text += f" ({missing} not computed)"
+        return text
 
 
 def judge(evidence: Evidence) -> list[Judged]:
@@ -213,15 +215,15 @@ def judge(evidence: Evidence) -> list[Judged]:
 
     The intervals of all comparisons of a case hold together with 95 %.
     """
-
-    def judged(case: str, part: Comparison) -> Verdict:
-        return verdict(compared(evidence, case, part, COMPARISONS), part)
-
     claims = []
     for claim in CLAIMS:
         by_case = {}
         for case in JUDGED:
-            by_case[case] = tuple(judged(case, part) for part in claim.parts)
+            verdicts = []
+            for comparison in claim.comparisons:
+                estimate = compared(evidence, case, comparison, COMPARISONS)
+                verdicts.append(verdict(estimate, comparison))
+            by_case[case] = tuple(verdicts)
         claims.append(Judged(claim, by_case))
     return claims
 

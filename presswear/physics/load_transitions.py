@@ -24,9 +24,9 @@ from presswear.physics.loads import (
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
 
-# Transitions from a mode: above its high position, below its low one, above its fast
-# speed, below its slow one
-TRANSITIONS = 4
+# Transitions from a mode: to a position above its highest or below its lowest, to a speed
+# above its fastest or below its slowest
+ABOVE, BELOW, FASTER, SLOWER, TRANSITIONS = range(5)
 MAX_CHANGES = 8  # largest number of changes of a mode after a step
 # Time between the end of a step and a node of a table, within which they coincide, s
 TIME_NOISE = 1e-12
@@ -50,11 +50,11 @@ def switching(
     """
     if load.kind != POSITION:
         return -math.inf, 0.0, 0.0, 0.0
-    if transition == 0:
+    if transition == ABOVE:
         return s - mode.high, v, a, j
-    if transition == 1:
+    if transition == BELOW:
         return mode.low - s, -v, -a, -j
-    if transition == 2:
+    if transition == FASTER:
         return v - mode.fast, a, j, 0.0
     return mode.slow - v, -a, -j, 0.0
 
@@ -265,7 +265,8 @@ def transition_at_start(
 ) -> tuple[float, float, float, float]:
     """Return a switching function in the last accepted state, and its derivatives.
 
-    ``change`` is the part of the change of the acceleration that is counted on.
+    ``change`` is 1 to use the rate of the acceleration over the last step, and 0 to assume
+    a constant acceleration.
     """
     if loads is None:
         return -math.inf, 0.0, 0.0, 0.0

@@ -39,9 +39,10 @@ class Place(NamedTuple):
     eccentricity: float  # m
     clearance: float  # m
     width: float  # width of a cell, rad
-    # node of the pin's map at or before a node of the bearing's, less the latter
+    # The pin's map is turned by lag + offset cells relative to the bearing's: whole cells,
+    # and a part of a cell, 0 to 1.
     lag: int
-    offset: float  # way between the two, in cells
+    offset: float
 
 
 @inlined

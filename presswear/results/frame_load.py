@@ -26,21 +26,21 @@ ALLOWED_REVERSE = 0.1  # reverse force over the greatest one that press makers a
 class FrameLoad:
     """Load of an elastic frame in the work, means over the sampled strokes.
 
-    The load is that of its spring, less the weight that the frame carries. It contains
-    the inertia of the moving parts. The reverse force acts against the greatest one,
-    within SNAP_THROUGH_S of the fracture; None if nothing breaks.
+    The load is the force of its spring, less the weight that the frame carries. It
+    contains the inertia of the moving parts. The reverse force acts against the greatest
+    force, within SNAP_THROUGH_S of the fracture; None if nothing breaks.
     """
 
-    force: Estimate | None  # greatest in the work, N
-    stretch: Estimate | None  # at this force, m
+    force: Estimate | None  # greatest force in the work, N
+    stretch: Estimate | None  # stretch at this force, m
     reverse_force: Estimate | None  # N
-    reverse_fraction: Estimate | None  # reverse over greatest force, stroke by stroke
+    reverse_fraction: Estimate | None  # reverse over greatest force of the same stroke
 
     @property
     def is_excessive(self) -> bool:
         """True if the reverse force is more than press makers allow."""
-        part = self.reverse_fraction
-        return part is not None and part.mean > ALLOWED_REVERSE
+        fraction = self.reverse_fraction
+        return fraction is not None and fraction.mean > ALLOWED_REVERSE
 
 
 def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
@@ -51,11 +51,11 @@ def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
     strokes = working_strokes(scene, stage)
     if not strokes:
         return {}
-    columns = zip(linkage.elastic_guides, stage.arrays["stretch"].T, strict=True)
-    return {
-        guide.name: _load_of(linkage, guide, stage.clock, stretch, strokes)
-        for guide, stretch in columns
-    }
+    loads = {}
+    stretches = stage.arrays["stretch"].T
+    for guide, stretch in zip(linkage.elastic_guides, stretches, strict=True):
+        loads[guide.name] = _load_of(linkage, guide, stage.clock, stretch, strokes)
+    return loads
 
 
 def carried_weight(linkage: Linkage, guide: Guide) -> float:
@@ -71,7 +71,7 @@ def _load_of(
     stretch: Array,
     strokes: list[SampledStroke],
 ) -> FrameLoad:
-    """Return the load of a frame from its stretches."""
+    """Return the load of a frame from its stretch, m, over time, s; shape (n,)."""
     stiffness = guide.stiffness or 0.0
     load = stiffness * stretch + carried_weight(linkage, guide)
     rows = [_forces_of(time, load, stroke) for stroke in strokes]
@@ -87,14 +87,14 @@ def _load_of(
 
 def _forces_of(time: Array, load: Array, stroke: SampledStroke) -> tuple[float, float]:
     """Return the greatest force in the work and the reverse force, N; nan without a fracture."""
-    worked = stroke.fracture if stroke.has_fracture else stroke.done
-    within = load[(time >= stroke.contact) & (time <= worked)]
-    if not within.size:
+    end_of_work = stroke.fracture if stroke.has_fracture else stroke.done
+    in_work = load[(time >= stroke.contact) & (time <= end_of_work)]
+    if not in_work.size:
         return math.nan, math.nan
-    peak = float(within[np.abs(within).argmax()])
+    peak = float(in_work[np.abs(in_work).argmax()])
     if not stroke.has_fracture:
         return abs(peak), math.nan
     end = min(stroke.fracture + SNAP_THROUGH_S, stroke.end)
     after = load[(time >= stroke.fracture) & (time <= end)]
-    against = -math.copysign(1.0, peak) * after
-    return abs(peak), max(float(against.max(initial=0.0)), 0.0)
+    reverse = -math.copysign(1.0, peak) * after
+    return abs(peak), max(float(reverse.max(initial=0.0)), 0.0)

@@ -50,12 +50,13 @@ if TYPE_CHECKING:
     import xarray
 
 FILE = "sweep.json"
-PARTS = "parts"
+PARTS = "parts"  # folder of the shards
 SCHEMA = 2
 Keep = Literal["responses", "results"]
-SHOWN_ROWS = 20
-# added to the parameters by Exudyn's studies
-EXUDYN_KEYS = ("computationIndex", "functionData")
+SHOWN_ROWS = 20  # rows of a table in a terminal or a notebook
+# Keys that Exudyn's studies add to the parameters
+COMPUTATION_INDEX = "computationIndex"
+FUNCTION_DATA = "functionData"
 
 
 @dataclass(frozen=True)
@@ -67,15 +68,15 @@ class Sweep:
     path: Path
     keep: Keep = "responses"
     limits: tuple[str, ...] = ()
-    # digest of what computed the rows
+    # digest of the program that computed the rows
     program: str = field(default_factory=program_digest)
 
     def __post_init__(self) -> None:
         """Check the options; `InputError` names the one that does not fit."""
         Choice(get_args(Keep), "").check("keep", self.keep)
-        for item in fields(self):
-            check_type(item.name, getattr(self, item.name), item.type)
-        _ = self.limit_of
+        for option in fields(self):
+            check_type(option.name, getattr(self, option.name), option.type)
+        _ = self.limit_of  # raises InputError for a limit that cannot be read
 
     @cached_property
     def limit_of(self) -> dict[str, ResponseLimit]:
@@ -84,8 +85,8 @@ class Sweep:
 
     def name(self, row: int) -> str:
         """Return the name of the file of a row."""
-        parts = (self.plan.identity(row), self.program, self.requested.extra)
-        return digest(" ".join(parts).encode())
+        origin = (self.plan.identity(row), self.program, self.requested.extra)
+        return digest(" ".join(origin).encode())
 
     def result(self, row: int) -> Result:
         """Return the complete result of a row of a sweep with ``keep="results"``."""
@@ -96,36 +97,37 @@ class Sweep:
         """Table of the rows that are stored now."""
         plan = self.plan
         requested = self.requested
+        keys = [column.key for column in requested.columns]
         errors = []
-        numbers = np.full((3, plan.rows, len(requested.columns)), np.nan)
+        numbers = np.full((3, plan.rows, len(keys)), np.nan)
         for row in range(plan.rows):
             outcome = runner.read_row(self.path, self.name(row))
-            errors.append(NOT_RUN if outcome is None else outcome.error)
-            for k, column in enumerate(requested.columns):
-                if response := outcome and outcome.values.get(column.key):
+            if outcome is None:
+                errors.append(NOT_RUN)
+                continue
+            errors.append(outcome.error)
+            for k, key in enumerate(keys):
+                if response := outcome.values.get(key):
                     numbers[:, row, k] = np.array(response, float)  # None becomes NaN
-        points = np.repeat(plan.points, plan.replicates, axis=0)
-        freedom = tuple(
-            freedom_of(plan.scene, column.key) for column in requested.columns
-        )
+        values, half_widths, is_censored = numbers
         return Table(
             plan.columns,
             requested.columns,
-            points,
-            numbers[0],
-            numbers[1],
-            numbers[2] == 1.0,
+            np.repeat(plan.points, plan.replicates, axis=0),
+            values,
+            half_widths,
+            is_censored == 1.0,
             tuple(errors),
             plan.replicates,
-            freedom,
+            tuple(freedom_of(plan.scene, key) for key in keys),
         )
 
     def write(self, file: Path) -> None:
         """Write everything but the rows."""
         data = {"schema": SCHEMA, "provenance": provenance(), "plan": self.plan}
         data["requested"] = replace(self.requested, functions=())
-        rest = {"keep": self.keep, "limits": self.limits, "program": self.program}
-        write_json(file, data | rest)
+        data |= {"keep": self.keep, "limits": self.limits, "program": self.program}
+        write_json(file, data)
 
     def report(self) -> Path:
         """Write figures, ``table.csv`` and ``report.html`` into the folder; return the page."""
@@ -139,10 +141,11 @@ class Sweep:
         errors = [error for error in self.table.errors if error and error != NOT_RUN]
         waiting = self.table.errors.count(NOT_RUN)
         text = f"{len(self.table.errors)} rows in {self.path}"
-        text += f", {waiting} not run yet" if waiting else ""
-        return text + (
-            f"; {len(errors)} failed, the first: {errors[0]}" if errors else ""
-        )
+        if waiting:
+            text += f", {waiting} not run yet"
+        if errors:
+            text += f"; {len(errors)} failed, the first: {errors[0]}"
+        return text
 
     def to_pandas(self, means: bool = False) -> "pandas.DataFrame":
         """Return the rows as a data frame; see ``Table.to_pandas``.
@@ -162,19 +165,16 @@ class Sweep:
     def __repr__(self) -> str:
         """Return parameters, responses and the number of rows in one line."""
         table = self.table
-        varied, responses = (
-            ", ".join(column.key for column in columns)
-            for columns in (table.parameters, table.responses)
-        )
+        varied = ", ".join(column.key for column in table.parameters)
+        responses = ", ".join(column.key for column in table.responses)
         return printable(f"<Sweep: {responses} over {varied}, {self.summary}>")
 
     def _repr_html_(self) -> str:
         """Return the first rows for a notebook."""
-        head, *rows = (
-            "".join(f"<td>{escape(cell)}</td>" for cell in line)
-            for line in self.table.texts(SHOWN_ROWS)
-        )
-        body = "".join(f"<tr>{row}</tr>" for row in (head, *rows))
+        body = ""
+        for line in self.table.texts(SHOWN_ROWS):
+            cells = "".join(f"<td>{escape(cell)}</td>" for cell in line)
+            body += f"<tr>{cells}</tr>"
         return f"<p><b>{escape(self.summary)}</b></p><table>{body}</table>"
 
     def __str__(self) -> str:
@@ -205,10 +205,11 @@ def load_sweep(folder: str | Path) -> Sweep:
 def check_folder_of(sweep: Sweep, resume: bool, is_part: bool = False) -> None:
     """Raise `InputError` if a sweep may not write into its folder.
 
-    The folder may hold a sweep with `resume`, or with `is_part` this sweep, started by
-    another part of it.
+    The folder may hold a sweep with `resume`. With `is_part` it may hold this sweep, which
+    another shard of it has started.
     """
-    is_starting = is_part and {item.name for item in sweep.path.glob("*")} <= {PARTS}
+    names = {file.name for file in sweep.path.glob("*")}
+    is_starting = is_part and names <= {PARTS}
     if is_starting or is_free(sweep.path):
         return
     if not (resume or is_part):
@@ -225,26 +226,25 @@ def export_table(table: Table, path: Path) -> None:
     kind = check_ending(path, ".csv", ".parquet")
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
+    if kind == ".csv":
+        write_bytes(path, table.csv().encode())
+        return
     try:
-        data = (
-            table.csv().encode()
-            if kind == ".csv"
-            else table.to_pandas().to_parquet(index=False)
-        )
+        data = table.to_pandas().to_parquet(index=False)
     except ImportError:
         raise not_installed(f"{path}: Parquet", "pyarrow") from None
     write_bytes(path, data)
 
 
 def parse_shard(text: str) -> tuple[int, int]:
-    """Read a part ``K/N`` of the rows."""
+    """Return K and N of a shard ``K/N`` of the rows."""
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
-    part, count = map(int, match.groups()) if match else (0, 0)
-    if not 1 <= part <= count:
+    number, count = map(int, match.groups()) if match else (0, 0)
+    if not 1 <= number <= count:
         raise InputError(
             f"shard = {text}: expected K/N with K from 1 to N, such as 3/10"
         )
-    return part, count
+    return number, count
 
 
 def run_sweep(
@@ -255,7 +255,7 @@ def run_sweep(
     on_progress: Callable[[runner.Progress], object] = lambda progress: None,
     notify: runner.Notify = print,
 ) -> Sweep:
-    """Run the missing rows of part K of N of a sweep by this program; see `sweep`.
+    """Run the missing rows of shard (K, N) of a sweep by this program; see `sweep`.
 
     Rows that another program computed do not count.
     """
@@ -269,14 +269,16 @@ def run_sweep(
     for name in (runner.ROWS, runner.RUNS):
         inside(sweep.path, name)
     sweep = replace(sweep, program=program_digest())
-    rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
+    number, count = shard
+    rows = range(number - 1, sweep.plan.rows, count)
     scenes = {sweep.name(row): partial(sweep.plan.scene_of, row) for row in rows}
     if sweep.plan.remark:
         notify(sweep.plan.remark)
     with runner.open_executor(on, jobs, notify) as (executor, slots):
-        # Parts of a sweep share its folder; one process at a time runs each part.
-        part = sweep.path / PARTS / "-of-".join(map(str, shard))
-        folder = sweep.path if shard[1] == 1 else part
+        # Shards of a sweep share its folder; one process at a time runs each shard.
+        folder = sweep.path
+        if count > 1:
+            folder = sweep.path / PARTS / f"{number}-of-{count}"
         with only_writer(folder, resume=True):
             sweep.write(folder / FILE)
             os.replace(folder / FILE, sweep.path / FILE)
@@ -389,8 +391,9 @@ def _evaluate(
 ) -> float | list[float]:
     """Return responses of the scene with changed settings."""
     check_type("parameters", parameters, Mapping[str, Any])
-    settings = {**parameters.get(EXUDYN_KEYS[1], {}), **parameters}
-    settings = {key: value for key, value in settings.items() if key not in EXUDYN_KEYS}
+    settings = {**parameters.get(FUNCTION_DATA, {}), **parameters}
+    for key in (COMPUTATION_INDEX, FUNCTION_DATA):
+        settings.pop(key, None)
     varied = changed(scene, settings)
     program = program_digest()
     outcome, result = runner.run_scene(varied, requested, None, program)
@@ -398,9 +401,9 @@ def _evaluate(
         outcome = runner.with_functions(outcome, requested.functions, lambda: result)
     if outcome.error and failed is None:
         raise RunFailed(outcome.error)
-    default = Response(failed if outcome.error else None)
-    numbers = [
-        outcome.values.get(column.key, default).value for column in requested.columns
-    ]
-    values = [math.nan if number is None else number for number in numbers]
+    default = Response(failed) if outcome.error else Response(None)
+    values = []
+    for column in requested.columns:
+        value = outcome.values.get(column.key, default).value
+        values.append(math.nan if value is None else value)
     return values[0] if is_scalar else values

@@ -36,7 +36,10 @@ def test_claims_cover_the_paper_and_compare_the_higher_with_the_lower_friction()
     assert figures == set(range(8, 26))
     assert {int(number.figure[:-1]) for number in PRINTED} <= figures
     for part in (
-        p for claim in CLAIMS if claim.where.startswith("5.4.2") for p in claim.parts
+        p
+        for claim in CLAIMS
+        if claim.where.startswith("5.4.2")
+        for p in claim.comparisons
     ):
         if len(part.over) == 1:
             assert (part.under[0].setting, part.over[0].setting) == (

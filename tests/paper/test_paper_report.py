@@ -43,7 +43,7 @@ def test_known_depths_give_known_verdicts():
     """A is 2.5 times as deep as C everywhere, and friction has no effect."""
     for claim in CLAIMS:
         words = set()
-        for part in claim.parts:
+        for part in claim.comparisons:
             assert part.quantity in QUANTITIES
             assert len(part.over) == len(part.under)
             ours = compared(every_evidence(), BASE, part)

@@ -41,7 +41,7 @@ RUNNING, DONE, BROKEN, STUCK, TRYING = range(5)
 
 # Next step over the step with the allowed error
 SAFETY = 0.9
-# Limits of the next step over the last one
+# Limits of the next step over the last step
 MIN_FACTOR = 0.2
 MAX_FACTOR = 5.0
 MAX_FINITE = 1e30  # larger numbers of a state or an error count as infinite
@@ -192,18 +192,19 @@ def march_fixed(address: PackedArguments, end: float) -> int:
         remaining = time_left(run.records.nominal, t, end)
         if remaining <= MIN_PART * state.step:
             return DONE
-        whole = state.step
+        length = state.step
         if state.due > t:  # the last step was cut
-            whole = state.due - t
-        whole = min(whole, remaining)
-        h = fixed_step(address, t, whole)
+            length = state.due - t
+        length = min(length, remaining)
+        h = fixed_step(address, t, length)
         for i in range(2 * n):
             if not abs(motion.trial[i]) < MAX_FINITE:
                 return BROKEN
         copy_to(motion.y, motion.trial)
         # The next step ends where a step that was cut would have ended.
-        state.due = t + whole if h < whole else 0.0
-        accept_fixed_step(address, end if h >= remaining else t + h, h)
+        state.due = t + length if h < length else 0.0
+        step_end = end if h >= remaining else t + h
+        accept_fixed_step(address, step_end, h)
     return RUNNING
 
 

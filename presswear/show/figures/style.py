@@ -148,10 +148,8 @@ Shown = Sequence[ShownStage]
 def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
     """Return the first, the last and evenly spaced stages between, with their line styles."""
     count = len(stages)
-    picked = np.unique(
-        np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int)
-    )
-    shown = [stages[int(k)] for k in picked]
+    numbers = np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int)
+    shown = [stages[int(k)] for k in np.unique(numbers)]
     labels = stage_names(result, shown)
     return [
         ShownStage(stage, Pen(label, *line))
@@ -173,9 +171,8 @@ def between(stage: StageResult, start: float, end: float) -> StageResult:
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "clock", "nominal_rate", "slider", "drive_torque"]
     series += ["drive_angle", "drive_speed", "stretch", "pin_stretch"]
-    series += [
-        f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_ARRAYS
-    ]
+    for joint in stage.joint_names:
+        series += [f"{joint}_{name}" for name in JOINT_ARRAYS]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
     # A copy, because the class of the arrays names its file if an array is missing
     arrays: Any = copy(stage.arrays)
@@ -202,9 +199,8 @@ def panels(
     The height is in inches; ``sharing`` goes to ``Figure.subplots``. Sheets with colour
     bars, or with legends beside a panel, are laid out by measured texts.
     """
-    sheet = Sheet(
-        figsize=(WIDTH, height), layout="constrained" if is_measured else Margins()
-    )
+    layout = "constrained" if is_measured else Margins()
+    sheet = Sheet(figsize=(WIDTH, height), layout=layout)
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
 
@@ -268,10 +264,11 @@ def finished(
         rows = math.ceil(width / _ROW)
         columns = math.ceil(len(handles) / rows)
         sheet.legend(handles=handles, loc=place, ncols=columns)
-    texts = (
-        TEMPLATES.from_string(text).render(content) for text in _CAPTIONS[name].values()
-    )
-    file, title, caption = (re.sub(r"[ \n]+", " ", text).strip() for text in texts)
+    texts = []
+    for template in _CAPTIONS[name].values():
+        text = TEMPLATES.from_string(template).render(content)
+        texts.append(re.sub(r"[ \n]+", " ", text).strip())
+    file, title, caption = texts
     return [Drawing(file, title, caption, sheet)]
 
 
