@@ -18,6 +18,7 @@ from presswear.linkage.guide_corner import (
     tilting_clearance,
 )
 from presswear.physics.wall_wear import tilt_between, wall_volume
+from presswear.show.figures import drawings
 from presswear.show.report import render_report
 
 STROKES = 3e4  # that wear a wall by a tenth of its clearance
@@ -60,6 +61,13 @@ def test_walls_wear_by_the_rate_times_the_strokes(result: pw.Result):
     for side, each in zip(("left", "right"), volume, strict=True):
         per_stroke = walls[side].volume_per_cycle.mean
         assert each == pytest.approx(STROKES * per_stroke, rel=0.03)
+
+
+def test_figures_of_walls_have_no_growth_of_joints(result: pw.Result):
+    assert result.grew_in_steps
+    files = [drawing.file for drawing in drawings(result)]
+    assert any("wall" in file for file in files)
+    assert not any("growth" in file for file in files)
 
 
 def test_the_slide_follows_the_worn_walls(result: pw.Result):

@@ -231,26 +231,26 @@ def named(*names: str) -> pw.linkage.Linkage:
     return FOUR_BAR.changed(joints=(*kept, *renamed))
 
 
-@pytest.mark.parametrize("names", [("all",), ("Bolzen Ø 20", "2", "depth_pin", "time")])
-def test_names_are_carried_to_the_table(names, tmp_path):
+@pytest.mark.parametrize("name", ["all", "Bolzen Ø 20", "2", "depth_pin", "time"])
+def test_names_are_carried_to_the_table(name, tmp_path):
     settings = {
         "engine": "dae",
         "integration_tolerance": "1e-6",
         "cycles": "1",
         "replicates": "1",
     }
-    joints = ",".join(names)
+    mechanism = named(name, "P")
     scene = changed(
-        pw.Scene(mechanism=named(*names), joints=joints, wear_updates=0), settings
+        pw.Scene(mechanism=mechanism, joints=name, wear_updates=0), settings
     )
     out = tmp_path / "out"
     pw.run(scene, out)
-    assert set(pw.load(out).stages[0].joints) == set(names)
-    assert all(name in render_report(pw.load(out)) for name in names)
+    assert set(pw.load(out).stages[0].joints) == {name}
+    assert name in render_report(pw.load(out))
     write_table(tmp_path / "table.csv", table_of(pw.load(out), 0))
     with (tmp_path / "table.csv").open() as opened:
         header = next(csv.reader(line for line in opened if not line.startswith("#")))
-    assert {f"{name}_penetration" for name in names} <= set(header)
+    assert f"{name}_penetration" in header
 
 
 @pytest.mark.parametrize("name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none"])

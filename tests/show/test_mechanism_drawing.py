@@ -145,12 +145,3 @@ def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path):
     scene = pw.Scene(press, joints="none", cycles=2)
     page = pw.run(scene, tmp_path / "run").report()
     assert "The mechanism in motion" in page.read_text()
-
-
-def test_walls_of_a_guide_alone_have_no_growth_of_joints():
-    changes = {"joints": "guide", "cycles": 3, "replicates": 1, "wear_updates": 1}
-    result = pw.run(pw.changed(pw.scenes.press_off_centre(), changes))
-    assert result.grew_in_steps
-    files = [drawing.file for drawing in drawings(result)]
-    assert any("wall" in file for file in files)
-    assert not any("growth" in file for file in files)
