@@ -100,7 +100,7 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
         rates = [surfaces.depth_text(name) for surfaces in (new, worn)]
         depths.append(f"{name} {' and '.join(rates)}")
     message = (
-        f"no error of steps: wear rates of the new surfaces for {large(new.strokes, digits=2)} "
+        f"without an interval: wear rates of the new surfaces for {large(new.strokes, digits=2)} "
         "strokes, then of the surfaces worn once (deepest place, µm in 10⁶ strokes: "
         f"{', '.join(depths)})"
     )

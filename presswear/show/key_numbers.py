@@ -81,7 +81,7 @@ def _life(result: Result, life: LifeResult) -> KeyNumber:
         f"{hours} hours, until the {words_of(first.key)} exceeds {limit_text(first)}."
     )
     if life.ended == QUICK:
-        meaning += " By two wear rates, with no error of steps."
+        meaning += " By two wear rates, without an interval."
     if interval:
         meaning += " The interval contains the scatter of the wear coefficients."
     span = interval and f"{interval} strokes"

@@ -244,7 +244,7 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
     low, high = stats.lognorm.ppf((0.025, 0.975), math.sqrt(math.log(1.0 + 0.5**2)))
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
     assert f"{life}".startswith("quick life: ")
-    assert "This life is quick, with no error of steps" in render_report(result)
+    assert "This life is quick, without an interval" in render_report(result)
     with pytest.raises(InputError, match="its life is quick, without curves"):
         life_table(result)
 

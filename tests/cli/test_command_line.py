@@ -292,10 +292,10 @@ def test_a_quick_life_has_two_rates(tmp_path, command):
     line = f"life {tmp_path / 'four-bar.toml'} --quick --cycles 3 --jobs 1 --until B.depth>8um"
     output = command(f"{line} --set replicates=2 --no-report --out {tmp_path / 'life'}")
     assert "quick life: " in output
-    assert "no error of steps: wear rates of the new surfaces" in output
+    assert "without an interval: wear rates of the new surfaces" in output
     stored = json.loads((tmp_path / "life" / "result.json").read_text())["life"]
     assert (stored["ended"], stored["step"]) == ("quick", None)
-    assert stored["message"].startswith("no error of steps")
+    assert stored["message"].startswith("without an interval")
 
 
 def test_dynamics_of_a_result_and_of_a_scene(tmp_path, command):

@@ -1,6 +1,7 @@
 """Lowest place in a step, and one bottom of each stroke, wherever cycles end."""
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -43,8 +44,22 @@ def test_lowest_place_in_a_step_is_that_of_the_motion(length, part):
     assert abs(begin + since) <= 1e-8
 
 
+def twice_down(time: float, bottom: float) -> Level:
+    """Motion that is lowest, -1.2, at a time; half a period later it has a bottom of -0.8."""
+    angle = SPEED * (time - bottom)
+    return (
+        -math.cos(2.0 * angle) - 0.2 * math.cos(angle),
+        SPEED * (2.0 * math.sin(2.0 * angle) + 0.2 * math.sin(angle)),
+        SPEED**2 * (4.0 * math.cos(2.0 * angle) + 0.2 * math.cos(angle)),
+    )
+
+
 def recorded(
-    bottom: float, stroke: tuple[float, float], cycles: int, seed: int
+    bottom: float,
+    stroke: tuple[float, float],
+    cycles: int,
+    seed: int,
+    motion_at: Callable[[float, float], Level] = swing,
 ) -> np.ndarray:
     """Rows of bottoms, by steps of random lengths that end with the cycles."""
     scene = ideal()
@@ -52,12 +67,12 @@ def recorded(
     recorder = recorder_of(scene.linkage(), start_of(scene), plan)
     records = recorder.records
     draw = np.random.default_rng(seed)
-    note_bottom(records, 0.0, 0.0, (0.0, 1.0), swing(0.0, bottom))
+    note_bottom(records, 0.0, 0.0, (0.0, 1.0), motion_at(0.0, bottom))
     for cycle in range(cycles):
         times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
         for before, time in pairwise(times):
-            motion = swing(float(time), bottom)
+            motion = motion_at(float(time), bottom)
             note_bottom(records, time, time - before, (time, 1.0), motion)
         recorder.end_cycle()
     return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
@@ -75,6 +90,28 @@ def test_every_stroke_has_one_bottom(place, off, seed):
     strokes = np.arange(5)[first:]
     assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
     assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
+
+
+@pytest.mark.parametrize("bottom", [0.25, 0.75])
+def test_the_deeper_of_two_bottoms_of_a_stroke_is_stored(bottom):
+    at = PERIOD * bottom
+    rows = recorded(at, (0.0, PERIOD), 3, 2, twice_down)
+    assert rows[:, 0] == pytest.approx(-1.2, abs=1e-8)
+    assert rows[:, 1] == pytest.approx(at + PERIOD * np.arange(3.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.6, 0.9), (0.1, 0.4)])
+def test_a_place_out_of_the_window_is_no_bottom(begin, end):
+    """The motion is lowest at 0.5; in the window it is lowest at the nearer end."""
+    window = PERIOD * begin, PERIOD * end
+    heights = recorded(0.5 * PERIOD, window, 4, 3)[:, 0]
+    step = 0.02 * PERIOD
+    nearer, inside = (0.6, step) if begin > 0.5 else (0.4, -step)
+    lowest = swing(nearer * PERIOD, 0.5 * PERIOD)[0]
+    assert np.all(
+        heights >= min(lowest, swing(nearer * PERIOD - inside, 0.5 * PERIOD)[0])
+    )
+    assert np.all(heights <= swing(nearer * PERIOD + inside, 0.5 * PERIOD)[0])
 
 
 def test_stroke_that_ends_with_a_cycle_is_of_that_cycle():
