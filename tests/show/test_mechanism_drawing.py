@@ -145,3 +145,31 @@ def test_a_slide_on_a_cylinder_alone_has_a_report(tmp_path):
     scene = pw.Scene(press, joints="none", cycles=2)
     page = pw.run(scene, tmp_path / "run").report()
     assert "The mechanism in motion" in page.read_text()
+
+
+def test_labels_of_a_yoke_cover_neither_its_guide_nor_each_other():
+    """Crank pin, block and yoke lie on the line y = 0 of the guide of the yoke."""
+    yoke = pw.assemble(
+        bodies=[
+            pw.Bar("crank", 0.01, 1.0),
+            pw.Body("block", 0.05, 1e-4),
+            pw.Body("yoke", 1.0),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("A", "crank.head", "block"),
+            pw.Guide("ways", "yoke"),
+            pw.Guide("slot", "block", direction=0.5 * math.pi, on="yoke"),
+        ],
+        drives=[pw.Drive("crank", 10.0)],
+        output="yoke",
+        name="yoke",
+    )
+    scene = pw.Scene(yoke, bearings={"A": pw.Bearing(clearance=0.2e-3)})
+    (axes,) = (sheet := labelled(scene).sheet).axes
+    sheet.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts if text.get_text()]
+    line = axes.transData.transform((0.0, 0.0))[1]
+    assert len(boxes) == 2
+    assert not any(box.y0 < line < box.y1 for box in boxes)
+    assert not boxes[0].overlaps(boxes[1])

@@ -38,6 +38,7 @@ _BAR = 0.007  # half width of a bar, relative to the same size
 _LEGEND_COLUMNS = 2
 _LEGEND_ROW = 0.22  # inches
 _MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
+_NEAR_LINE = 0.02  # distance of a joint from the line of a guide, part of the size
 _SLIMMEST = 0.6  # width over height, at least
 
 
@@ -156,7 +157,7 @@ def _draw_parts(
     _arrow(axes, place, tip, "black", 1.6)
     ends = _ends_of_joints(linkage)
     joints = {name: path[0] for name, path in paths.items()}
-    labels = _draw_joints(axes, scene, ends, joints, size)
+    labels = _draw_joints(axes, scene, ends, joints, drawn, size)
     hinges: dict[str, Array] = {}  # first joint of each body, (2,), m
     for name, end in ends:
         hinges.setdefault(end.body, joints[name])
@@ -198,7 +199,8 @@ def _draw_drives(
 def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
     """Write the labels beside their places; return their boxes, (n, 2, 2), points.
 
-    The scale is in points per metre. Boxes are lower left and upper right corners.
+    The scale is in points per metre. Boxes are lower left and upper right corners. A
+    label that would cover another one is on another side of its place.
     """
     boxes: list[Array] = []
     for text, place, gap, direction, text_style in labels:
@@ -213,12 +215,21 @@ def _write(axes: Axes, labels: list[_Label], scale: float) -> Array:
         note.set(ha="center", va="center", multialignment="center")
         note.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
         half = 36.0 / axes.figure.dpi * np.array(note.get_window_extent().size)
-        side = direction / np.hypot(*direction)
-        offset = gap * side + half * side / np.abs(side).max()
+        first = direction / np.hypot(*direction)
+        for side in (first, -first, across(first), -across(first)):
+            offset = gap * side + half * side / np.abs(side).max()
+            centre = scale * place + offset
+            box = np.array([centre - half, centre + half])
+            if not any(_overlap(box, earlier) for earlier in boxes):
+                break
         note.xyann = tuple(offset)
-        centre = scale * place + offset
-        boxes.append(np.array([centre - half, centre + half]))
+        boxes.append(box)
     return np.reshape(boxes, (-1, 2, 2))
+
+
+def _overlap(first: Array, second: Array) -> bool:
+    """Return whether two boxes, lower left and upper right corners, have a common place."""
+    return bool(np.all((first[0] < second[1]) & (second[0] < first[1])))
 
 
 def _free_direction(lines: Sequence[Array]) -> Array:
@@ -244,6 +255,7 @@ def _draw_joints(
     scene: Scene,
     ends: list[tuple[str, Attachment]],
     places: Mapping[str, Array],
+    position: Array,
     size: float,
 ) -> list[_Label]:
     """Draw the pin joints; joints at one place share a label."""
@@ -251,7 +263,8 @@ def _draw_joints(
     for name, place in places.items():
         groups.setdefault(tuple(np.round(place / (0.01 * size))), []).append(name)
     labels = []
-    output = scene.base_linkage.output
+    linkage = scene.base_linkage
+    output = linkage.output
     has_common_clearance = _common_clearance(scene) is not None
     for names in groups.values():
         place = places[names[0]]
@@ -277,11 +290,26 @@ def _draw_joints(
         bars = [places[name] - place for name in sorted(beside)]
         if output.body in bodies:
             bars.append(direction_at(output.direction))
+        bars += _guides_through(linkage, position, place, size)
         direction = _free_direction(bars)
         labels.append(
             _Label("\n".join(lines), place, gap, direction, {"weight": "bold"})
         )
     return labels
+
+
+def _guides_through(
+    linkage: Linkage, position: Array, place: Array, size: float
+) -> list[Array]:
+    """Return both directions of each guide whose line passes a joint, (2,)."""
+    directions = []
+    for guide in linkage.guides:
+        body = points_of(linkage, position, Attachment(guide.body, 0.0, 0.0))[0, :2]
+        carrier = points_of(linkage, position, Attachment(guide.on, 0.0, 0.0))[0, 2]
+        along = direction_at(guide.direction + carrier)
+        if abs(float((place - body) @ across(along))) < _NEAR_LINE * size:
+            directions += [along, -along]
+    return directions
 
 
 def _draw_body(
