@@ -11,7 +11,7 @@ from presswear.scene.settings import changed
 
 def improve(arguments: argparse.Namespace, console: Console) -> int:
     """Change each joint in one way at a time, and rank the changes."""
-    from presswear.sweeps.improve import changes_of, improve
+    from presswear.sweeps import improve as improvements
     from presswear.sweeps.improve_report import write_report
 
     scene = terminal.load_scene(arguments.scene)
@@ -19,9 +19,9 @@ def improve(arguments: argparse.Namespace, console: Console) -> int:
     settings = terminal.parse_settings(arguments.set)
     scene = changed(scene, terminal.merge_options(settings, options))
     folder = terminal.output_folder(arguments, f"{scene.name}-improve")
-    count = 1 + len(changes_of(scene))
+    count = 1 + len(improvements.changes_of(scene))
     with several_runs(console, "improve", folder, count) as (show, _):
-        improvement = improve(scene, folder, arguments.jobs, show)
+        improvement = improvements.improve(scene, folder, arguments.jobs, show)
     for quantity, effects in improvement.effects.items():
         lines = [f"  {effect}" for effect in effects]
         terminal.print_lines(console, f"{improvement.heading(quantity)}:", *lines)

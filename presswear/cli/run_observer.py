@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 LOGGER = logging.getLogger(__name__)
 LINE_INTERVAL = 60.0  # time between lines of progress where there is no terminal, s
-LONG_LIFE = 600.0  # s, above which a user is asked before a service life goes on
-# Largest ratio of needed and expected time of a life after its first blocks:
+LONG_LIFE = 600.0  # time above which a user confirms a service life, s
+# Largest ratio of the time of a life to the time expected after its first blocks: the
 # scatter decides how many refinements follow, worn surfaces how long a cycle takes
 LIFE_SPREAD = 2.0
-# Cycles of all replicates from which ``--quick`` is named: ten minutes at 0.3 s each
+# Cycles of all replicates from which the text mentions ``--quick``: ten minutes at 0.3 s
 MANY_CYCLES = 2000
 BAR_DELAY = 3.0  # time after which a run in Python shows its bar, s
 SHOWN_JOINTS = 3  # joints in the lines of a stage
@@ -45,11 +45,11 @@ class RunObserver(Observer):
         self._bar = bar
         self._scene = scene
         self._is_confirmed = is_confirmed
-        self._compile_time = 0.0  # within this stage, s
+        self._compile_time = 0.0  # compile time of this stage, s
         # compile time of all stages and before the first report, s
         self._compiled = 0.0
         self._compile_start: float | None = None
-        # completed part at the first report, of a resumed run
+        # completed share at the first report; above 0 in a resumed run
         self._start: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
         self._printed = clock.perf_counter()
@@ -209,7 +209,7 @@ def least_needed(cycles: float) -> str:
 
 
 def confirm(bar: ProgressBar, seconds: float) -> bool:
-    """Ask a user at a terminal before a life that may be long, and return whether it was asked.
+    """Ask a user at a terminal before a life that may be long; return whether a user was asked.
 
     Raises
     ------

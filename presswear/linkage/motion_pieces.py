@@ -124,7 +124,10 @@ def _periodic(start: Array, polynomial: Array, wave: Array, net: float) -> Piece
 
 
 def _pieces_of_table(rows: Array) -> Pieces:
-    """Return the periodic spline through rows, twice continuously differentiable."""
+    """Return the periodic spline through rows, twice continuously differentiable.
+
+    A row has phase, rad, and value, and may have the first two derivatives by the phase.
+    """
     net = 0.0
     if rows[-1, 0] - rows[0, 0] > TURN - PHASE_TOL:
         net = float(rows[-1, 1] - rows[0, 1])

@@ -5,6 +5,7 @@ import math
 from presswear.tools.compile import Records, compiled
 
 POSITION_NOISE = 1e-14  # several times the round-off of a penetration, m
+BISECTIONS = 55  # halve a step to its round-off
 
 
 @compiled
@@ -57,15 +58,18 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
         second = min(max(max(root, second_root), 0.0), 1.0)
     low = 0.0
     for high in (first, second, 1.0):
-        value = p1 if high == 1.0 else hermite(p0, r0, p1, r1, h, high)[0]
+        value = p1
+        if high != 1.0:
+            value, _ = hermite(p0, r0, p1, r1, h, high)
         if value > 0.0:
             break
         low = high
     else:
         return 2.0
-    for _ in range(55):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if hermite(p0, r0, p1, r1, h, middle)[0] > 0.0:
+        value, _ = hermite(p0, r0, p1, r1, h, middle)
+        if value > 0.0:
             high = middle
         else:
             low = middle

@@ -39,7 +39,8 @@ LOAD = np.dtype(
         ("period", np.float64),  # period of a table over time, s; 0: it does not repeat
         ("zero", np.float64),  # position of the table's zero, m or rad
         ("is_constant_outside", np.bool_),  # outside of the table its end values hold
-        # 0: in both senses of motion; 1: in one sense; -1: in one, with opposite signs
+        # 0: acts in both senses of motion; 1: in one sense; -1: in one sense, and direction,
+        # positions and sizes have the opposite sign
         ("sense", np.float64),
         # behind the last node no load until the table begins again
         ("release", np.bool_),
@@ -103,12 +104,16 @@ def load_size(
         elastic: float = mode.deepest_size - load.unloading * (s - mode.deepest)
         return elastic
     after = load.first + mode.piece
-    if mode.piece == 0 or mode.piece == load.count:
-        size: float = 0.0
+    size: float = 0.0
+    if mode.piece == 0:
         if load.is_constant_outside:
-            size = nodes[after if mode.piece == 0 else after - 1, 1]
+            size = nodes[after, 1]
+    elif mode.piece == load.count:
+        if load.is_constant_outside:
+            size = nodes[after - 1, 1]
     else:
-        argument = (t if load.kind == TIME else s) - mode.turn * load.period
+        position = t if load.kind == TIME else s
+        argument = position - mode.turn * load.period
         # Interpolation starts at the node that comes first in the table of the user.
         first = after if load.sense < 0.0 else after - 1
         second = after - 1 if load.sense < 0.0 else after

@@ -15,7 +15,7 @@ from presswear.tools.compile import Records, compiled, copy_to
 FRAMES_PER_CYCLE = 500  # one every 0.72 degrees of the crank
 FILM_CYCLES = 20  # number of cycles that are kept
 # Columns of a frame for each joint: its forces, N, the direction in which the pin
-# presses, penetration, m, and greatest normal force since the frame before, N
+# presses, penetration, m, and greatest normal force since the previous frame, N
 FILM_JOINT = (
     "normal",
     "tangential",
@@ -25,20 +25,25 @@ FILM_JOINT = (
     "peak",
 )
 FILM_JOINT_COUNT = len(FILM_JOINT)
-_PEAK = FILM_JOINT.index("peak")
+_NORMAL, _TANGENTIAL, _DIRECTION_X, _DIRECTION_Y, _PENETRATION, _PEAK = range(6)
 
-# Frames kept, their interval, and the time from which the next is due, s
+# Number of stored frames, interval between frames, and time of the next frame, s
 FRAME_SAMPLER = np.dtype(
     [("frames", np.int64), ("interval", np.float64), ("next", np.float64)]
 )
 
 
 def empty_film(bodies: int, joints: int, cycle: float) -> tuple[Array, Records]:
-    """Return rows for all frames and the one being sampled, and the sampler for a cycle, s."""
-    frames = FILM_CYCLES * FRAMES_PER_CYCLE + 1
+    """Return the rows of all frames, and the sampler for a cycle, s.
+
+    A row has the time, the positions of all bodies, and FILM_JOINT of all joints. The last
+    row is the frame that is being sampled.
+    """
+    rows = FILM_CYCLES * FRAMES_PER_CYCLE + 1
+    columns = 1 + 3 * bodies + FILM_JOINT_COUNT * joints
     sampler = np.zeros(1, FRAME_SAMPLER)
     sampler["interval"] = cycle / FRAMES_PER_CYCLE
-    return np.zeros((frames, 1 + 3 * bodies + FILM_JOINT_COUNT * joints)), sampler
+    return np.zeros((rows, columns)), sampler
 
 
 @compiled
@@ -72,11 +77,11 @@ def complete_frame(
     for k in range(contacts.shape[0]):
         contact = contacts[k]
         joint = frame[1 + q.size + FILM_JOINT_COUNT * k :]
-        joint[0] = contact.normal
-        joint[1] = contact.tangential
-        joint[2] = contact.normal_x
-        joint[3] = contact.normal_y
-        joint[4] = contact.penetration
+        joint[_NORMAL] = contact.normal
+        joint[_TANGENTIAL] = contact.tangential
+        joint[_DIRECTION_X] = contact.normal_x
+        joint[_DIRECTION_Y] = contact.normal_y
+        joint[_PENETRATION] = contact.penetration
     while sampler.next <= t:
         sampler.next += sampler.interval
     if sampler.frames < film.shape[0] - 1:
@@ -123,6 +128,6 @@ class Film:
         for k, name in enumerate(names):
             for column, word in enumerate(FILM_JOINT):
                 joints[:, k, column] = stored[f"{name}_{word}"]
-        if not all(np.isfinite(part).all() for part in (time, position, joints)):
+        if not all(np.isfinite(array).all() for array in (time, position, joints)):
             raise ValueError("a value is not finite")
         return Film(time, position, joints)

@@ -21,8 +21,8 @@ from presswear.results.strokes import SampledStroke, mean_of_strokes, working_st
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
-ALLOWED_DROP = 0.2  # drop by the work that press makers allow, part of the speed
-# Speed at which a motor has recovered from the work, part of the speed at the touch
+ALLOWED_DROP = 0.2  # drop by the work that press makers allow, relative to the speed
+# Speed at which a motor has recovered from the work, relative to the speed at the touch
 RECOVERED = 0.99
 
 
@@ -83,10 +83,10 @@ def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:
 def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float, float]:
     """Return the speed at the touch, its drop, and the nominal time until it recovers, s.
 
-    The speed is a part of the nominal speed. The drop is a part of the speed at the
-    touch. It is that to the smallest speed in the rows of the series, which include the
-    instants at which the force of the work begins, breaks and vanishes. The time is NaN
-    if the speed stays above RECOVERED, or does not recover.
+    The speed is relative to the nominal speed, the drop to the speed at the touch. The drop
+    ends at the smallest speed in the rows of the series, which include the instants at
+    which the force of the work begins, breaks and vanishes. The time is NaN if the speed
+    stays above RECOVERED, or does not recover.
     """
     clock = stage.clock
     speed = stage.nominal_rate
@@ -104,7 +104,7 @@ def _drop_of(stage: StageResult, stroke: SampledStroke) -> tuple[float, float, f
 def period_in(scene: Scene, stage: StageResult) -> float:
     """Return the mean duration of the sampled cycles of a stage, s.
 
-    Without a motor, or without a complete cycle, it is the nominal one.
+    Without a motor, or without a complete cycle, it is the nominal duration.
     """
     speed = leader_speed(scene, stage)
     if speed is None:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-MAX_ROWS = 1_000_000
+MAX_ROWS = 1_000_000  # rows of a plan
 MAX_REPLICATES = 10_000
 TRIED_ROWS = 16  # rows whose scenes are made before anything runs
 SEED = "seed"  # setting in which the replicates of a point differ
@@ -81,8 +81,9 @@ class Plan:
                 "nothing varies: vary a key (KEY=VALUES), or use a sample and ranges"
             )
         counts = Counter(column.key for column in self.columns)
-        if counts.most_common(1)[0][1] > 1:
-            raise InputError(f"{counts.most_common(1)[0][0]} varies twice")
+        ((key, count),) = counts.most_common(1)
+        if count > 1:
+            raise InputError(f"{key} varies twice")
         if self.replicates > 1 and SEED in counts:
             raise InputError("vary seed and replicates cannot be combined")
         rows = self.replicates * math.prod(len(group.values) for group in self.groups)
@@ -104,17 +105,16 @@ class Plan:
             )
         columns, distributions = zip(*self._sampled, strict=True)
         unit = design(kind, int(size), len(columns), self.seed)
-        values = [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
+        pairs = zip(distributions, unit.T, strict=True)
+        values = [distribution.ppf(column) for distribution, column in pairs]
         return (Group(columns, np.column_stack(values)), *self._varied)
 
     @cached_property
     def _varied(self) -> tuple[Group, ...]:
         # A key with a dot, such as process.force, exists only with a kind of process. Keys
         # without a dot, such as process, are therefore read first.
-        without_dot = [text for text in self.vary if "." not in text.partition("=")[0]]
-        with_dot = [text for text in self.vary if text not in without_dot]
         groups: dict[str, Group] = {}
-        for text in (*without_dot, *with_dot):
+        for text in sorted(self.vary, key=_has_dot):
             scene = _with_words(self.scene, groups.values())
             groups[text] = parse_group(scene, text)
         return tuple(groups[text] for text in self.vary)
@@ -124,7 +124,7 @@ class Plan:
         scene = _with_words(self.scene, self._varied)
         sampled = []
         for text in self.ranges:
-            key, _, words = (part.strip() for part in text.partition("="))
+            key, _, words = map(str.strip, text.partition("="))
             if not words:
                 raise InputError(f"range {text}: expected KEY=DISTRIBUTION")
             setting = setting_of(scene, key)
@@ -164,7 +164,9 @@ class Plan:
         point, replicate = divmod(row, self.replicates)
         pairs = zip(self.columns, self.points[point].tolist(), strict=True)
         settings = {column.key: column.setting(value) for column, value in pairs}
-        return settings | ({SEED: self.scene.seed + replicate} if replicate else {})
+        if replicate > 0:
+            settings[SEED] = self.scene.seed + replicate
+        return settings
 
     def scene_of(self, row: int) -> Scene:
         """Return the scene of a row; `InputError` if its settings do not fit together.
@@ -173,13 +175,10 @@ class Plan:
         """
         scene = _with_requested_wear(changed(self.scene, self.settings(row)))
         if scene.purpose == "auto" and scene.wear_updates == 0:
-            # rows are compared by peaks and means
+            # Rows are compared by peaks and means.
             scene = replace(scene, purpose="forces")
-        if (
-            scene.wear_updates > 0
-            and scene.life is None
-            and scene.cycles_per_update is None
-        ):
+        has_updates = scene.wear_updates > 0 and scene.life is None
+        if has_updates and scene.cycles_per_update is None:
             advice = "set it, as in cycles_per_update=1e6, so that all rows wear by equal strokes"
             raise InputError(f"cycles_per_update = none: {advice}, or wear_updates=0")
         return scene
@@ -203,13 +202,11 @@ class Plan:
     @cached_property
     def _base(self) -> tuple[str, list[tuple[str, Any]]]:
         """Digest of all that decides the numbers of the scene, and the values of its settings."""
-        ignored = ("name", "title", "origins")
-        data = {
-            key: value
-            for key, value in self.scene.as_dict().items()
-            if key not in ignored
-        }
-        values = [(item.key, item.value) for item in settings_of(self.scene)]
+        data = self.scene.as_dict()
+        for key in ("name", "title", "origins"):  # they change no number
+            data.pop(key, None)
+        settings = settings_of(self.scene)
+        values = [(setting.key, setting.value) for setting in settings]
         return digest(json.dumps(data, sort_keys=True).encode()), values
 
     @cached_property
@@ -229,6 +226,12 @@ class Plan:
     def from_plain(data: Mapping[str, Any]) -> "Plan":
         """Return a plan from plain data."""
         return Plan(**{**data, "scene": Scene.from_dict(data["scene"])})
+
+
+def _has_dot(text: str) -> bool:
+    """Return whether the key of a parameter, ``KEY=VALUES``, has a dot."""
+    key, _, _ = text.partition("=")
+    return "." in key
 
 
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
@@ -329,9 +332,8 @@ class Table:
         columns: dict[str, list[Any]] = {}
         for column, values in zip(self.parameters, self.points.T, strict=True):
             columns[column.key] = [column.setting(value) for value in values.tolist()]
-        columns["replicate"] = [
-            row % self.replicates for row in range(len(self.errors))
-        ]
+        rows = range(len(self.errors))
+        columns["replicate"] = [row % self.replicates for row in rows]
         for k, column in enumerate(self.responses):
             columns[column.key] = self.values[:, k].tolist()
             columns[f"{column.key}_half_width"] = self.half_widths[:, k].tolist()
@@ -347,9 +349,8 @@ class Table:
         columns = []
         for column, values in zip(self.parameters, self.points.T, strict=True):
             shown = Display(column, values)
-            columns.append(
-                [shown.label, *(shown.number(value, 4) for value in values[:count])]
-            )
+            texts = [shown.number(value, 4) for value in values[:count]]
+            columns.append([shown.label, *texts])
         for k, column in enumerate(self.responses):
             shown = Display(column, self.values[:, k])
             texts = []
@@ -396,10 +397,9 @@ class Table:
         """Units of parameters and responses by column."""
         columns = (*self.parameters, *self.responses)
         units = {column.key: column.unit for column in columns}
-        halves = {
-            f"{response.key}_half_width": response.unit for response in self.responses
-        }
-        return units | halves
+        for response in self.responses:
+            units[f"{response.key}_half_width"] = response.unit
+        return units
 
 
 def _csv_cell(value: Any) -> Any:

@@ -11,7 +11,9 @@ from presswear.tools.arrays import Array
 
 PROBABILITIES = np.arange(1, 100) / 100.0  # probabilities of the quantiles
 # Probabilities at the ends of an interval
-ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
+LOWER_END = 0.5 - 0.5 * LEVEL
+UPPER_END = 0.5 + 0.5 * LEVEL
+ENDS = (LOWER_END, UPPER_END)
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class Spread:
     values: Array  # shape (99,); NaN if unknown
     low: Array
     high: Array
-    # probability of a violation with its interval
+    # probability of a violation of the limit, with the ends of its interval
     violation: tuple[float, float, float] | None
 
 
@@ -32,9 +34,9 @@ def spread_of_rows(
     """Return the distribution of a response over the first replicates of a sample.
 
     Intervals of quantiles are those of order statistics (David and Nagaraja, Order
-    Statistics, section 7.1), the interval of a probability is that of Clopper and
-    Pearson (1934). A censored value may be any larger one: intervals contain all
-    possibilities. None if no point has a value.
+    Statistics, section 7.1), the interval of a probability is by Clopper and Pearson
+    (1934). A censored value may be any larger value: intervals contain all possibilities.
+    None if no point has a value.
     """
     from scipy import stats
 
@@ -48,8 +50,9 @@ def spread_of_rows(
     # Smallest and largest possible values in order
     least = np.sort(values)
     most = np.sort(np.where(censored, np.inf, values))
-    first = stats.binom.ppf(ENDS[0], count, PROBABILITIES).astype(int)
-    last = stats.binom.ppf(ENDS[1], count, PROBABILITIES).astype(int)
+    # Places in the order at which the interval of a quantile begins and ends
+    first = stats.binom.ppf(LOWER_END, count, PROBABILITIES).astype(int)
+    last = stats.binom.ppf(UPPER_END, count, PROBABILITIES).astype(int)
     place = np.ceil(count * PROBABILITIES).astype(int) - 1
     low = np.where(first > 0, least[first - 1], np.nan)
     high = np.where(last < count, most[np.minimum(last, count - 1)], np.nan)

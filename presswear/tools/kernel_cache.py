@@ -30,6 +30,7 @@ from presswear.tools.processes import signals_held
 # Time for which a process that compiles may stand still, s; a function takes up to 15 s
 PATIENCE = 20.0
 _PAUSE = 0.05  # pause between two attempts to lock, s
+_DIGEST_SIZE = 64  # bytes of a digest
 _MAX_FILES = 400  # files in the cache, about 200 MB; a run stores 4 to 12 files
 _PACKAGE = Path(__file__).parents[1]
 # NUMBA_CPU_NAME, NUMBA_CPU_FEATURES of kernels in a wheel
@@ -80,6 +81,7 @@ def _is_usable(folder: Path) -> bool:
 
 
 def _entry_digest(file: Path, content: bytes) -> bytes:
+    """Return the digest of an entry, ``_DIGEST_SIZE`` bytes, with which its file begins."""
     return digest(file.name.encode() + content).encode()
 
 
@@ -94,9 +96,10 @@ def _read_entry(file: Path) -> bytes:
         if not (stat.S_ISREG(status.st_mode) and _is_safe(status, file.parent)):
             raise PermissionError(errno.EACCES, "other users can write it", f"{file}")
         entry = opened.read()
-    if entry[:64] != _entry_digest(file, entry[64:]):
+    content = entry[_DIGEST_SIZE:]
+    if entry[:_DIGEST_SIZE] != _entry_digest(file, content):
         raise OSError(errno.EIO, "damaged, or the entry of another kernel", f"{file}")
-    return entry[64:]
+    return content
 
 
 class KernelCache:
@@ -140,7 +143,8 @@ class KernelCache:
         code = self._stored(signature, context)
         if code is None:
             with suppress(Exception):  # nothing can be stored
-                self._take_lock(self.files(signature, context)[0])
+                user_file, *_ = self.files(signature, context)
+                self._take_lock(user_file)
                 # Another process may have stored it meanwhile.
                 code = self._stored(signature, context)
             if code is not None:
@@ -169,13 +173,13 @@ class KernelCache:
     def save_overload(self, signature: Any, result: Any) -> None:
         """Store code, and remove files not used for long; do nothing where none can be written."""
         try:
-            file = self.files(signature, result.target_context)[0]
+            file, *_ = self.files(signature, result.target_context)
             if _is_usable(file.parent):
                 content = serialize.dumps(result._reduce())
-                part = file.with_suffix(f".{os.getpid()}")
-                write_bytes(part, _entry_digest(file, content) + content)
-                part.chmod(0o644)
-                part.replace(file)
+                unfinished = file.with_suffix(f".{os.getpid()}")
+                write_bytes(unfinished, _entry_digest(file, content) + content)
+                unfinished.chmod(0o644)
+                unfinished.replace(file)
                 self._release()
                 _remove_unused(file.parent)
         except OSError:

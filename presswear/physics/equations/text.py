@@ -80,8 +80,9 @@ def product(*factors: str) -> str:
 
 def quotient(numerator: str, denominator: str) -> str:
     """Return a quotient."""
-    is_simple = _ATOM.fullmatch(denominator)
-    return f"{numerator} / {denominator if is_simple else f'({denominator})'}"
+    if not _ATOM.fullmatch(denominator):
+        denominator = f"({denominator})"
+    return f"{numerator} / {denominator}"
 
 
 def square(factor: str) -> str:
@@ -143,8 +144,9 @@ class Text:
         """
         word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "part"
         word = f"body_{word}" if word[0].isdigit() else word
-        plain = word.replace("_", "")
-        candidates = chain((word, plain), (f"{plain}{k}" for k in count(2)))
+        without_underscores = word.replace("_", "")
+        numbered = (f"{without_underscores}{k}" for k in count(2))
+        candidates = chain((word, without_underscores), numbered)
         prefix = next(candidate for candidate in candidates if self._is_new(candidate))
         self._prefixes.add(prefix)
         return prefix
@@ -160,8 +162,10 @@ class Text:
         )
 
     def write(self, line: str) -> None:
-        """Append a line."""
-        self.lines.append(_INDENT * self._depth + line if line else "")
+        """Append a line; an empty line is not indented."""
+        if line:
+            line = _INDENT * self._depth + line
+        self.lines.append(line)
 
     def comment(self, words: str) -> None:
         """Write an empty line and a comment.
