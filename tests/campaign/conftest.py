@@ -1,14 +1,24 @@
 """Campaigns with an engine that wears by a law."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from campaign.fake_engine import Campaign, FakeEngine, Seen, Use
+from presswear.campaign import runner
 from presswear.campaign.campaign import run_campaign
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.scene.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def unwatched() -> Iterator[None]:
+    """Begin a life without 50 cycles that show whether the motion settles."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(runner, "WATCHED_CYCLES", 1)
+        yield
 
 
 @pytest.fixture

@@ -46,6 +46,7 @@ from presswear.scene.settings import changed
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("unwatched")
 LIMIT = 0.1e-3
 LIFE = replace(
     SCENE,
@@ -74,19 +75,6 @@ def test_life_of_surfaces_that_run_in_again(campaign: Campaign):
     seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
     assert seen.life is not None
     assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
-
-
-def test_the_watched_motion_before_a_life_is_a_small_part_of_it(use: Use):
-    """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
-    use(FakeEngine(exponential))
-    scene = replace(LIFE, life=Life(until="A.depth > 0.3 mm"))
-    seen = Seen()
-    with pytest.raises(KeyboardInterrupt):
-        runs.run(scene, observers=[seen, Stops("refinement 1")], jobs=1)
-    progress = seen.progress
-    watched = [each.whole for each in progress if "does the motion settle" in each.word]
-    assert watched
-    assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)
 
 
 def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):

@@ -27,6 +27,8 @@ from presswear.recording.soundness import Condition, Finding
 from presswear.scene.settings import changed
 from presswear.show.report import render_report
 
+pytestmark = pytest.mark.usefixtures("unwatched")
+
 
 def scene_of(part: float = 0.02, share: float = 1.0, **life: Any) -> pw.Scene:
     """Return a bushing worn until it has lost a part of its clearance, two replicates."""

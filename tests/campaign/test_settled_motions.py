@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 import presswear as pw
+from campaign.fake_engine import SCENE, FakeEngine, Seen, Stops, Use, exponential
 from presswear.campaign.settled_motions import settling_of
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of, state_of
 from presswear.results.stage_statistics import StageStatistics
+from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines
@@ -210,3 +212,19 @@ def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene):
     assert result.life.settled[0] == 2
     forces = result.life.curves["B.force_max"][:, 0]
     assert forces.max() < 450.0
+
+
+def test_the_watched_motion_before_a_life_is_a_small_part_of_it(use: Use):
+    """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
+    use(FakeEngine(exponential))
+    life = pw.Life(until="A.depth > 0.3 mm")
+    scene = replace(
+        SCENE, conventions=CONVENTIONS["refined"], life=life, wear_updates=1
+    )
+    seen = Seen()
+    with pytest.raises(KeyboardInterrupt):
+        pw.run(scene, observers=[seen, Stops("refinement 1")], jobs=1)
+    progress = seen.progress
+    watched = [each.whole for each in progress if "does the motion settle" in each.word]
+    assert watched
+    assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)

@@ -11,6 +11,7 @@ from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 
+pytestmark = pytest.mark.usefixtures("unwatched")
 GAP = 1e-3  # clearance of the bushing, m
 LAWS = """
 import math

@@ -10,7 +10,6 @@ from endurance.sameness import folder_differences
 
 import presswear as pw
 from campaign.fake_engine import Stops
-from presswear.campaign import runner
 from presswear.linkage.guide_corner import (
     WALL_BINS,
     WallMap,
@@ -21,6 +20,7 @@ from presswear.physics.wall_wear import tilt_between, wall_volume
 from presswear.show.figures import drawings
 from presswear.show.report import render_report
 
+pytestmark = pytest.mark.usefixtures("unwatched")
 STROKES = 3e4  # that wear a wall by a tenth of its clearance
 WALLS = {"wear_updates": 1, "cycles_per_update": STROKES, "replicates": 2, "cycles": 3}
 
@@ -34,12 +34,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("walls") / "whole"
     pw.run(scene_of(), path, jobs=1)
     return path
-
-
-@pytest.fixture
-def unwatched(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Begin a life without 50 cycles that show whether the motion settles."""
-    monkeypatch.setattr(runner, "WATCHED_CYCLES", 1)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +97,6 @@ def test_a_scene_continues_on_worn_walls_bit_for_bit(result: pw.Result):
     assert first.name == "initial surfaces"
 
 
-@pytest.mark.usefixtures("unwatched")
 def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
     result: pw.Result, tmp_path
 ):
@@ -148,7 +141,6 @@ def test_the_life_of_a_wall_is_the_limit_over_the_wear_rate(
     assert "tilt of guide over" in render_report(worn)
 
 
-@pytest.mark.usefixtures("unwatched")
 def test_new_walls_wear_as_the_first_ones(result: pw.Result, tmp_path):
     """The life is the strokes up to the replacement, and those of a life without it."""
     life = pw.Life(until="guide.depth > 3 um", replaced="guide@1e4")
