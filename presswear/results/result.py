@@ -174,7 +174,11 @@ class Result:
         lines = [f"{name_of(self.scene)}, {self.status}{ending}{where}"]
         if self.life is not None:
             lines.append(f"{self.life}")
-        rows = [list(_HEAD), *self._table_rows()]
+        rows = list(self._table_rows())
+        columns = max(map(len, rows), default=0)  # without a joint those of stages only
+        rows = [
+            [*row, *[""] * (columns - len(row))] for row in [_HEAD[:columns], *rows]
+        ]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         for row in rows:
             lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
@@ -185,14 +189,14 @@ class Result:
         return printable("\n".join(lines))
 
     def _table_rows(self) -> Iterator[list[str]]:
-        """Yield a row for each joint of each stage; the first of a stage describes the stage."""
+        """Yield a row for each joint of each stage; the first describes the stage."""
         has_clearance = bool(self.scene.clearance_joints)
         for stage in self.stages:
             name = self.stage_name(stage.index) if has_clearance else "computed"
             ended = stage.message or stage.status
             stage_cells = [name, str(stage.statistics.cycles), ended]
             if not stage.statistics.joints:
-                yield [*stage_cells, "", "", ""]
+                yield stage_cells
             for joint_name, joint in stage.statistics.joints.items():
                 volume = self._worn_volume(joint_name, joint, stage)
                 yield [

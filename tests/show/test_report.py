@@ -397,6 +397,15 @@ def test_a_printed_result_has_the_mean_peak_force_with_its_interval():
     assert joint.peak_force_per_cycle.has_interval
 
 
+def test_a_rigid_run_has_no_columns_of_joints_and_tables_no_empty_heads():
+    result = made_up(made.IDEAL, 1)
+    head, row = str(result).splitlines()[1:3]
+    assert head.split() == ["stage", "cycles", "ended"]
+    assert row.split()[-1] == "completed"
+    for row in page_of(result).rows:
+        assert any(row), "a row without a text"
+
+
 def test_a_guide_alone_has_no_figures_of_pins():
     scene = pw.Scene(GUIDED, bearings={"guide": PLAY}, cycles=2)
     result = made_up(scene, 1)
