@@ -162,8 +162,7 @@ class Flow:
         arrays["contacts"] = records.contacts
         arrays["onset"] = records.onset
         arrays["memory"] = records.memory
-        if records.packed.loads is not None:
-            arrays["modes"] = records.packed.loads.modes
+        arrays["modes"] = records.packed.loads.modes
         return arrays
 
     def state(self) -> tuple[Array, Arrays]:

@@ -156,8 +156,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     """
     check_springs(linkage, start.position)
     records = _records_of(linkage, start, plan)
-    if records.packed.loads is not None:
-        place_loads(records.packed.loads, start.position, start.velocity)
+    place_loads(records.packed.loads, start.position, start.velocity)
     maps = MapBatches(map_shape(linkage.clearances))
     return Recorder(records, maps, len(plan.sections))
 

@@ -16,7 +16,7 @@ from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import IdealMotion, Motion
 from presswear.physics.interactions.friction import steady_friction
 from presswear.physics.packed import pack
-from presswear.physics.packed_loads import load_forces
+from presswear.physics.packed_loads import load_forces, pack_loads
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import written
@@ -73,12 +73,13 @@ def forces_in_motion(
     packed = pack(linkage)
     needed = packed.mass * motion.acceleration
     needed -= packed.weight
-    if packed.loads is not None:
-        states = np.array([motion.position, motion.velocity, motion.acceleration])
-        needed -= load_forces(packed.loads, motion.time, states)
+    states = np.array([motion.position, motion.velocity, motion.acceleration])
+    needed -= load_forces(packed.loads, motion.time, states)
     if linkage.springs:
         without_loads = replace(linkage, loads=linkage.constant_loads)
-        forces = BodyForces(without_loads, packed._replace(loads=None))
+        forces = BodyForces(
+            without_loads, packed._replace(loads=pack_loads(without_loads))
+        )
         for k, t in enumerate(motion.time):
             needed[k] -= forces(t, motion.position[k], motion.velocity[k])
     body_positions = motion.position.reshape(motion.time.size, -1, 3)

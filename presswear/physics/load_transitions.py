@@ -193,10 +193,8 @@ def is_beyond_limits(
 
 
 @compiled
-def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
+def settle_loads(loads: Loads, t: float, q: Array, v: Array, a: Array) -> int:
     """Update the modes after an accepted step; return the number of changes."""
-    if loads is None:
-        return 0
     changes = 0
     nodes = loads.nodes
     for k in range(loads.records.shape[0]):
@@ -227,29 +225,26 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
 
 
 @compiled
-def next_break(loads: Loads | None) -> float:
+def next_break(loads: Loads) -> float:
     """Return the time of the next bend or jump over time of any load, s."""
     earliest = math.inf
-    if loads is not None:
-        for k in range(loads.records.shape[0]):
-            if loads.records[k].kind == TIME:
-                earliest = min(earliest, loads.modes[k].high)
+    for k in range(loads.records.shape[0]):
+        if loads.records[k].kind == TIME:
+            earliest = min(earliest, loads.modes[k].high)
     return earliest
 
 
 @compiled
-def count_transitions(loads: Loads | None) -> int:
+def count_transitions(loads: Loads) -> int:
     """Return the number of possible transitions of all loads."""
-    return 0 if loads is None else TRANSITIONS * loads.records.shape[0]
+    return TRANSITIONS * loads.records.shape[0]
 
 
 @compiled
 def transition_value(
-    loads: Loads | None, k: int, q: Array, v: Array, a: Array
+    loads: Loads, k: int, q: Array, v: Array, a: Array
 ) -> tuple[float, float]:
     """Return a switching function in a state, and its rate."""
-    if loads is None:
-        return -math.inf, 0.0
     load = loads.records[k // TRANSITIONS]
     mode = loads.modes[k // TRANSITIONS]
     s, speed, acceleration = load_motion(load, q, v, a)
@@ -261,15 +256,13 @@ def transition_value(
 
 @compiled
 def transition_at_start(
-    loads: Loads | None, k: int, change: float
+    loads: Loads, k: int, change: float
 ) -> tuple[float, float, float, float]:
     """Return a switching function in the last accepted state, and its derivatives.
 
     ``change`` is 1 to use the rate of the acceleration over the last step, and 0 to assume
     a constant acceleration.
     """
-    if loads is None:
-        return -math.inf, 0.0, 0.0, 0.0
     load = loads.records[k // TRANSITIONS]
     mode = loads.modes[k // TRANSITIONS]
     jerk = change * mode.change
@@ -279,25 +272,23 @@ def transition_at_start(
 
 
 @compiled
-def last_change(loads: Loads | None) -> float:
+def last_change(loads: Loads) -> float:
     """Return the time at which the mode of any load has changed last, s."""
     last = -math.inf
-    if loads is not None:
-        for k in range(loads.modes.shape[0]):
-            last = max(last, loads.modes[k].changed)
+    for k in range(loads.modes.shape[0]):
+        last = max(last, loads.modes[k].changed)
     return last
 
 
 @compiled
-def greatest_jump(loads: Loads | None) -> float:
+def greatest_jump(loads: Loads) -> float:
     """Return the greatest jump of a load after the last step.
 
     It is the change over the greater size before and after.
     """
     jump = 0.0
-    if loads is not None:
-        for k in range(loads.modes.shape[0]):
-            jump = max(jump, loads.modes[k].jump)
+    for k in range(loads.modes.shape[0]):
+        jump = max(jump, loads.modes[k].jump)
     return jump
 
 

@@ -149,15 +149,13 @@ def load_motion(
 
 
 @compiled
-def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> float:
+def work_beyond_trapezoid(loads: Loads, t: float, q: Array, v: Array) -> float:
     """Return the work of tables over position in a step, J, less that by the trapezoidal rule.
 
     Within a piece a load is linear over the position. Its work follows from both ends,
     however few steps an elastic load gets. The state is that at the end of the step,
     before ``settle_loads``.
     """
-    if loads is None:
-        return 0.0
     total = 0.0
     for k in range(loads.records.shape[0]):
         load = loads.records[k]

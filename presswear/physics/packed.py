@@ -119,11 +119,11 @@ class Packed(NamedTuple):
     joints: Records  # dtype JOINT
     # surfaces, (joints, ROWS, m): a joint uses as many columns as needed, see ``pack_rows``
     surfaces: Array
-    loads: Loads | None  # None without loads with a law
+    loads: Loads  # loads with a law
     mass: Array  # diagonal of the mass matrix, (3 bodies,)
     weight: Array  # constant generalized forces, (3 bodies,)
     driven: Records  # dtype DRIVEN
-    rubbing: Records | None  # dtype RUBBING; None without friction in rigid joints
+    rubbing: Records  # rigid joints with friction, dtype RUBBING
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
@@ -272,10 +272,8 @@ def partners_of(linkage: Linkage) -> dict[int, int]:
     return partners
 
 
-def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records | None:
+def _pack_rubbing(linkage: Linkage, offset: Mapping[str, int]) -> Records:
     """Return the rigid joints with friction as records of RUBBING."""
-    if not linkage.rubbing_pins:
-        return None
     names = [joint.name for joint in linkage.revolutes]
     records = np.zeros(len(linkage.rubbing_pins), RUBBING)
     for record, joint in zip(records, linkage.rubbing_pins, strict=True):

@@ -98,10 +98,8 @@ def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) ->
     return sizes_in(loads, motion[:, 0], levels) * loads.records["cosine"]
 
 
-def pack_loads(linkage: Linkage) -> Loads | None:
+def pack_loads(linkage: Linkage) -> Loads:
     """Return the loads of a linkage that have a law."""
-    if not linkage.loads_with_law:
-        return None
     loads = np.zeros(len(linkage.loads_with_law), LOAD)
     loads["cosine"] = 1.0
     for record, load in zip(loads, linkage.loads_with_law, strict=True):

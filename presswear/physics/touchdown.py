@@ -115,7 +115,7 @@ def joint_crossing(
 
 @compiled
 def load_crossing(
-    loads: Loads | None, k: int, q: Array, v: Array, a: Array, h: float, behind: float
+    loads: Loads, k: int, q: Array, v: Array, a: Array, h: float, behind: float
 ) -> tuple[float, float, float]:
     """Return the fraction of a step after which a load is past its transition ``k``; 2 if never.
 

@@ -321,8 +321,7 @@ class Recorder:
         }
         for k, count in enumerate(records.counters["rows"]):
             arrays[f"stored_contacts_{k}"] = records.stored_contacts[k, :count]
-        if records.packed.loads is not None:
-            arrays["modes"] = records.packed.loads.modes.copy()
+        arrays["modes"] = records.packed.loads.modes.copy()
         return arrays
 
     def load(self, saved: State) -> None:
@@ -344,5 +343,4 @@ class Recorder:
         for k in range(records.memory.size):
             rows = saved[f"stored_contacts_{k}"]
             records.stored_contacts[k, : len(rows)] = rows
-        if records.packed.loads is not None:
-            records.packed.loads.modes[...] = saved["modes"]
+        records.packed.loads.modes[...] = saved["modes"]

@@ -19,6 +19,7 @@ from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.ledger import Ledger, remedy_for_created_energy
 from presswear.physics.packed import mass_of, pack
+from presswear.physics.packed_loads import pack_loads
 from presswear.recording.nominal_time import STALLED
 from presswear.recording.recorder import Recorder
 from presswear.tools.arrays import Array
@@ -323,7 +324,6 @@ def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
     for k, load in enumerate(linkage.loads_with_law):
         with_load = replace(without, loads=(load,))
         loads = records.packed.loads
-        assert loads is not None
         packed_load = loads._replace(
             records=loads.records[k : k + 1], modes=loads.modes[k : k + 1]
         )
@@ -332,7 +332,9 @@ def _elements(linkage: Linkage, recorder: Recorder) -> list[_Element]:
         forces = BodyForces(with_load, packed)
         elements.append(_Element(f"{type(load).__name__.lower()} {name}", forces))
     joints = replace(without, clearances=linkage.clearances)
-    forces = BodyForces(joints, records.packed._replace(loads=None), records.onset)
+    forces = BodyForces(
+        joints, records.packed._replace(loads=pack_loads(joints)), records.onset
+    )
     for k, joint in enumerate(linkage.clearances):
         elements.append(_Element(f"joint {joint.name}", forces, k))
     return elements

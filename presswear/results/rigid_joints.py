@@ -107,7 +107,6 @@ def static_torques(scene: Scene) -> dict[str, float]:
     linkage = scene.loaded
     work = linkage.loads_with_law[-len(scene.process_laws) :]
     loads = pack_loads(replace(linkage, loads=work))
-    assert loads is not None
     time, is_last = _two_cycles(scene)
     motion = scene.ideal.at(time)
     levels = np.array([motion.position, motion.velocity, motion.acceleration])

@@ -10,9 +10,17 @@ from runs import run_scene
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
+from presswear.engines.dae.march import march_controlled
+from presswear.engines.exudyn_tree.kernels import accept_tree_step
 from presswear.engines.settings import Engine, Purpose
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.scene.catalog import ideal, slider_crank, wear_times
+from presswear.recording.observe import record_step
+from presswear.scene.catalog import (
+    ideal,
+    press_blanking,
+    slider_crank,
+    wear_times,
+)
 
 SCENE = wear_times()
 NUMERICS = SCENE.numerics
@@ -100,3 +108,17 @@ def test_ideal_press_follows_the_closed_form(engine: Engine, least, errors, geom
     assert run.time == pytest.approx(period, abs=1e-9)
     assert np.abs(run.end.position - closing.position[0]).max() < errors[0]
     assert np.abs(run.end.velocity - closing.velocity[0]).max() < errors[1]
+
+
+@pytest.mark.parametrize(
+    ("engine", "run_loop"),
+    [("dae", march_controlled), ("exudyn-tree", accept_tree_step)],
+)
+def test_only_equations_are_compiled_for_another_linkage(engine, run_loop):
+    """The press has a load with a law and two joints with clearance, the other no load."""
+    kernels = [run_loop.from_python, record_step.from_python]
+    counts = []
+    for scene in (press_blanking(engine=engine), slider_crank(engine=engine)):
+        run_scene(scene, scene.solver, 1e-4)
+        counts.append([len(kernel.overloads) for kernel in kernels])
+    assert counts[0] == counts[1]

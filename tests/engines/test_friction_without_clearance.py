@@ -162,7 +162,7 @@ def test_nothing_is_added_where_no_joint_rubs():
     ):
         linkage = scene.linkage()
         packed = pack(linkage)
-        assert packed.rubbing is None
+        assert not packed.rubbing.size
         system = in_all_coordinates(linkage)
         coordinates = 2 * 3 * len(linkage.bodies)
         assert system.layout.size == coordinates + 6 + 2 * len(linkage.clearances) + 4

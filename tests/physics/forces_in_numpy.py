@@ -120,7 +120,6 @@ class Forces:
     def _loads(self) -> None:
         loads = self.packed.loads
         for k, load in enumerate(self.linkage.loads_with_law):
-            assert loads is not None
             record = loads.records[k]
             along = np.array([record["cosine"], record["sine"]])
             if isinstance(load, Force):

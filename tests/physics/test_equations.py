@@ -96,8 +96,7 @@ class Subject:
             linkage, self.equations, self.packed, self.onset, contacts
         )
         begin_motion(self.model.prescribed, TIME, motion.position[0])
-        if self.packed.loads is not None:
-            place_loads(self.packed.loads, motion.position[0], motion.velocity[0])
+        place_loads(self.packed.loads, motion.position[0], motion.velocity[0])
 
     def run(self, *, is_compiled: bool = False) -> Array:
         """Evaluate all that the equations fill; return the rates of the state."""

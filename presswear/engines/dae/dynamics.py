@@ -172,7 +172,7 @@ def evaluate_constrained(
 def solve_multipliers(
     system: System,
     constraints: ConstraintSystem,
-    rubbing: Records | None,
+    rubbing: Records,
     t: float,
     slopes: Array,
 ) -> tuple[float, float]:
@@ -190,10 +190,8 @@ def solve_multipliers(
     evaluate_constraints(constraints, t, q, v)
     factor(constraints)
     multipliers_of(constraints, alpha, beta, out)
-    heat = 0.0
-    if rubbing is not None:
-        add_friction(constraints, rubbing, alpha, beta, v, out)
-        heat = friction_power(rubbing, v)
+    add_friction(constraints, rubbing, alpha, beta, v, out)
+    heat = friction_power(rubbing, v)
     for row in range(constraints.phi.shape[0]):
         multiplier = constraints.multipliers[row]
         for c in range(out.shape[0]):

@@ -54,7 +54,7 @@ class BodyState(NamedTuple):
     state_joints: Indices
     # states of interactions, see STEP_START, (6, states)
     states: Array
-    friction: Friction | None  # None without friction in rigid joints
+    friction: Friction  # friction in rigid joints
 
 
 @compiled

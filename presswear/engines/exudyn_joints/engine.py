@@ -87,7 +87,7 @@ def body_state_of(
     omitted: frozenset[str],
     records: RecorderState,
     solved: Sequence[Any],
-    friction: Friction | None,
+    friction: Friction,
 ) -> BodyState:
     """Return the coordinates of all bodies from Exudyn's live coordinates and derivatives."""
     prescribed = pack_prescribed(linkage, omitted)
@@ -248,7 +248,7 @@ class _Joints:
         )
         self.solver = self._prepare_solver(settings, plan, recorder)
         self.place()
-        if friction is not None:
+        if linkage.rubbing_pins:
             packed = self.records.packed
             constraints = constraints_of(linkage).system(packed.mass)
             begin_friction(body_state, constraints, packed, self.drives, friction)
@@ -269,10 +269,8 @@ class _Joints:
             forceUserFunction=self.connector_forces,
         )
 
-    def _friction(self, multipliers: Any) -> Friction | None:
+    def _friction(self, multipliers: Any) -> Friction:
         """Return the friction in rigid joints."""
-        if self.records.packed.rubbing is None:
-            return None
         pins = self.linkage.rubbing_pins
         # places of the bodies of bearing and pin in the forces; -1 for others
         slots = []
@@ -322,7 +320,7 @@ class _Joints:
             plan,
             accept,
             exu.DynamicSolverType.TrapezoidalIndex2,
-            _settings(settings, longest, rubs=self.body_state.friction is not None),
+            _settings(settings, longest, rubs=bool(self.linkage.rubbing_pins)),
             longest,
             REMEDY,
             {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},

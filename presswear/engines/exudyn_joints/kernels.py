@@ -68,15 +68,13 @@ FORCES, START, ACCEPTED, SHORTER = range(4)  # tasks of ``run_task``
 
 
 @compiled
-def note_friction(friction: Friction | None, v: Array) -> float:
+def note_friction(friction: Friction, v: Array) -> float:
     """Fill the friction moments of rigid joints under the present joint forces.
 
     Returns the friction power, W. During Newton's iteration of Exudyn the joint forces
     are those of the present iterate, so that moments and joint forces converge
     together.
     """
-    if friction is None:
-        return 0.0
     for k in range(friction.joints.shape[0]):
         row = friction.rows[k]
         x = friction.multipliers[row]
@@ -87,10 +85,8 @@ def note_friction(friction: Friction | None, v: Array) -> float:
 
 
 @compiled
-def add_moments(friction: Friction | None, out: Array) -> None:
+def add_moments(friction: Friction, out: Array) -> None:
     """Add the friction moments of rigid joints to the forces of the connector."""
-    if friction is None:
-        return
     for k in range(friction.joints.shape[0]):
         moment = friction.joints[k].moment
         i = friction.slots[k, 0]

@@ -47,7 +47,7 @@ class Model(NamedTuple):
     surfaces: Array
     contact_records: Records
     motions: Records
-    loads: Loads | None
+    loads: Loads
     prescribed: Prescribed
     torque: Array  # (drives,)
 

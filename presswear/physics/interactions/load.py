@@ -26,8 +26,6 @@ class LoadWithLaw:
     @classmethod
     def all_of(cls, linkage: Linkage, packed: Packed) -> list[Self]:
         """Return all loads with a law of a linkage."""
-        if packed.loads is None:
-            return []
         pairs = zip(linkage.loads_with_law, packed.loads.records, strict=True)
         return [cls(load, record, k) for k, (load, record) in enumerate(pairs)]
 
