@@ -1,4 +1,5 @@
 """Service lives of surfaces that wear by a law in closed form."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import math
 from collections.abc import Iterator
@@ -48,10 +49,11 @@ from presswear.tools.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("unwatched")
 LIMIT = 0.1e-3
+UNTIL = Life(until=f"A.depth > {LIMIT!r} m")
 LIFE = replace(
     SCENE,
     conventions=CONVENTIONS["refined"],
-    life=Life(until=f"A.depth > {LIMIT!r} m"),
+    life=UNTIL,
     wear_updates=1,
 )
 """Joints that wear by ``exponential`` in equal replicates: only the steps have an error."""
@@ -70,10 +72,9 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
 def test_life_of_surfaces_that_run_in_again(campaign: Campaign):
     """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
     whole = float(RUNS_IN.archard_depth(np.array(LIMIT)) / (RATE * SHAPE[0].max()))
-    life = replace(LIFE.life, replaced=f"A@{0.5 * whole!r}")
+    life = replace(UNTIL, replaced=f"A@{0.5 * whole!r}")
     scene = replace(changed(LIFE, RUN_IN), life=life)
     seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
-    assert seen.life is not None
     assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
 
 
@@ -83,7 +84,6 @@ def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     scene = interrupted_life(path, use, 2, 0.1)
     result = load(path)
     life = result.life
-    assert life is not None
     assert (life.ended, result.stages, life.step) == ("preliminary", (), None)
     exact = REPRESENTED * math.log(1.0 + LIMIT / (RATE * REPRESENTED))
     assert life.strokes == pytest.approx(exact, rel=0.1)
@@ -95,7 +95,6 @@ def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     with pytest.raises(InputError, match="its life is preliminary, without curves"):
         life_table(result)
     finished = runs.run(scene, path, jobs=1).life
-    assert finished is not None
     assert finished.ended == "limit"
     # The deviations have the weight of the refinement in each life.
     first = replace(finished.refinements[0], deviations=life.refinements[0].deviations)
@@ -112,7 +111,6 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path):
     result = runs.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
     assert not any("refinement" in progress.word for progress in words.progress)
     assert (result.status, result.scene.tolerance) == ("completed", 0.3)
-    assert result.life is not None
     assert result.life.ended == "limit"
     assert len(result.life.refinements) == 2
     assert 2e-3 < (result.life.error or 0.0) < 0.3
@@ -120,8 +118,7 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path):
 
 def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_path):
     path = tmp_path / "life"
-    assert LIFE.life is not None
-    scene = replace(LIFE, tolerance=1e-3, life=replace(LIFE.life, max_cycles=300))
+    scene = replace(LIFE, tolerance=1e-3, life=replace(UNTIL, max_cycles=300))
     use(FakeEngine(exponential))
     assert runs.run(scene, path, jobs=1).status == "unconverged"
     result = runs.run(replace(scene, tolerance=0.3), path, jobs=1)
@@ -198,7 +195,7 @@ class Noted(RunObserver):
         """Ignore stages, because the fake engine has no statistics of a solver."""
 
 
-def quick(until: str = LIFE.life.until, **settings: Any) -> Scene:
+def quick(until: str = UNTIL.until, **settings: Any) -> Scene:
     return replace(
         LIFE, life=Life(until=until, quick="on"), **{"cycles": None} | settings
     )
@@ -212,7 +209,6 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
     assert (result.status, len(result.stages)) == ("completed", 2)
     life = load(path).life
     assert life == result.life
-    assert life is not None
     assert (life.ended, life.step, life.error, life.refinements) == (
         "quick",
         None,

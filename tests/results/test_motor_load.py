@@ -1,4 +1,5 @@
 """Loads of motors: closed forms of a braked rotor, and stored series of a press."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import math
 from typing import Any
@@ -69,8 +70,6 @@ def test_loads_are_those_of_the_stored_series():
     stage = result.stages[0]
     (load,) = motor_loads(scene, stage).values()
     speed = leader_speed(scene, stage)
-    assert speed is not None
-    assert speed.drop is not None
     # Of the last two of four cycles, from the series: T = 480 N m s / 0.08 on a line.
     rows = stage.time >= 2.0 - 1e-9
     clock = stage.clock[rows]
@@ -91,7 +90,6 @@ def test_loads_are_those_of_the_stored_series():
     assert speed.drop.mean == pytest.approx(least, rel=1e-7)
     assert speed.recovery is not None
     assert "slip loss per cycle" in f"{stage_tables(result)['motor']}"
-    assert speed.touch is not None
     contacts = [one.contact for one in sampled_strokes(scene, stage)]
     assert speed.touch.mean * TURN == pytest.approx(
         np.interp(contacts, clock, omega).mean(), rel=1e-4
@@ -126,10 +124,8 @@ def test_a_light_flywheel_is_slowed_too_much():
     result = press(0.01)
     (load,) = motor_loads(result.scene, result.stages[0]).values()
     speed = leader_speed(result.scene, result.stages[0])
-    assert speed is not None
     assert speed.is_excessive
     peak = np.abs(result.stages[0].arrays["drive_torque"][:, 0]).max()
-    assert load.peak_fraction is not None
     assert load.peak_fraction.mean == pytest.approx(peak / (480.0 * 2.75), rel=1e-3)
     assert verdict(result, "Drop of the speed") == "above the limit"
 
@@ -162,7 +158,6 @@ def test_the_work_stretches_the_frame_while_the_motor_slows():
     result = press(0.02, on_frame=True)
     (load,) = frame_loads(result.scene, result.stages[0]).values()
     stretch = result.stages[0].arrays["stretch"][:, 0]
-    assert load.force is not None
     assert load.force.mean == pytest.approx(FRAME * stretch.max() + WEIGHT, rel=1e-3)
     axes, zone = result.plot("frame")
     drawn = np.asarray(axes.lines[0].get_ydata())
