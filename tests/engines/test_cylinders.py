@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 from closed_form import needed_power
+from marks import slow
 from numpy.testing import assert_allclose
 from runs import compare_engines, run_scene
 from slotted import (
@@ -138,9 +139,10 @@ def test_forces_of_a_table():
 @pytest.mark.parametrize(
     ("joints", "is_reversed"),
     [
-        *((joints, False) for joints in ("A, P", "B", "C", "none")),
-        *((joints, True) for joints in ("A, P", "none")),
-        *(pytest.param(joints, True, marks=pytest.mark.slow) for joints in ("B", "C")),
+        ("A, P", True),
+        ("B", False),
+        ("none", False),
+        *(slow("C", is_reversed) for is_reversed in (False, True)),
     ],
 )
 def test_engines_agree_and_keep_the_energy(joints, is_reversed):

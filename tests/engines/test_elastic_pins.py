@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marks import slow
 from runs import residual, run_scene, simulated, step_response
 
 import presswear as pw
@@ -145,7 +146,7 @@ def scene_of(**values: Any) -> pw.Scene:
     return pw.Scene(four_bar(None), bearings={"B": bearing}, purpose="trajectory")
 
 
-@pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
+@pytest.mark.parametrize("engine", [*ENGINES[:2], slow(ENGINES[2])])
 def test_friction_of_a_stiff_pin_is_that_of_a_rigid_joint(engine: Engine):
     """Also in the tree, which has no force of a rigid joint."""
     rigid = run_scene(scene_of(), ENGINES[0], 0.05)

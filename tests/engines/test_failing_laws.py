@@ -56,8 +56,13 @@ def scene_with(law: str) -> pw.Scene:
     return pw.changed(base, {kind: path})
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("law", ["press", "rub", "pull", "turn"])
+@pytest.mark.parametrize(
+    ("law", "engine"),
+    [
+        *(("press", engine) for engine in ENGINES),
+        *((law, "dae") for law in ("rub", "pull", "turn")),
+    ],
+)
 def test_a_law_that_fails_ends_the_run_with_its_place(law, engine, laws, capfd):
     linkage = scene_with(law).linkage()
     where = r'user law fails: laws\.py, line 5, look_up: "return TABLE\[2 \+ int'

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from listeners import EndsAfter, Keeps
+from marks import slow_in
 from slotted import quick_return, sized
 
 from presswear.campaign.replicates import RunSpec, start_of
@@ -152,15 +153,13 @@ LONG = {
     "motor, servo and elastic frame, exudyn-tree",
     "bodies and joints, a crank left out",
     "open tree from a moving plate",
+    "bodies and joints",
 }
 
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] if name in LONG else [])
-        for name in sorted(CASES)
-    ],
+    slow_in(LONG, sorted(CASES)),
 )
 def test_a_run_goes_on_bit_for_bit_after_every_cycle(name, tmp_path):
     """From a file, as another process has it, or from the state that was kept in memory."""

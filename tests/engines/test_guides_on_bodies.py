@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from marks import slow_in
 from runs import compare_engines, run_scene
 from slotted import (
     RADIUS,
@@ -26,25 +27,20 @@ from presswear.tools.errors import InputError
 BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 SCENES = {
     "Scotch yoke": (scotch_yoke(), "A"),
-    "quick return, crank pin": (skew_quick_return(), "A"),
     "swinging block": (swinging_block(), "A"),
-    "slotted crank": (slotted_crank(), "A"),
     "slotted crank, rocker": (slotted_crank(), "Q"),
     "quick return, loose crank": (skew_quick_return(), "O2"),
     "shaper, a loop is left": (shaper(), "A"),
 }
-# Both mechanisms have a second row, and the Scotch yoke has the loose pin of a block.
-SLOW = ("quick return, crank pin", "slotted crank")
+# Other linkages have the loose pin of a block, also in test_linkages.
+SLOW = ("swinging block", "quick return, loose crank")
 DURATION = 0.01  # s, some touchdowns
 _scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name in SCENES
-    ],
+    slow_in(SLOW, SCENES),
 )
 def test_engines_agree_and_keep_the_energy(name):
     mechanism, joints = SCENES[name]

@@ -4,6 +4,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from marks import slow
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -48,6 +49,7 @@ def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine):
     assert str(result).count("The stiffness is that of small contacts") == 1
 
 
+@pytest.mark.slow
 def test_both_engines_press_pins_as_deep_into_their_bearings():
     """Up to the greatest force, through the touches before it; rows of a series cut its top."""
     finest = ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-12)
@@ -73,9 +75,7 @@ def real_press(engine: str) -> pw.Result:
     return pw.run(scene, engine=engine)
 
 
-@pytest.mark.parametrize(
-    "engine", ["dae", pytest.param("exudyn-tree", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("engine", ["dae", slow("exudyn-tree")])
 def test_the_flywheel_delivers_the_work_and_the_motor_settles(engine):
     """The speed drops by 15 % in the work, as the file says, and is back at the next."""
     result = real_press(engine)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from marks import slow
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -25,9 +26,8 @@ def run_of(engine: Engine) -> Run:
     ("engine", "error"),
     [
         (ExudynTree(tree_tolerance=1e-10), 1e-9),
-        (ExudynJoints(), 1e-6),
+        slow(ExudynJoints(), 1e-6),
     ],
-    ids=("exudyn-tree", "exudyn-joints"),
 )
 def test_every_engine_moves_both_free_cranks_alike(engine: Engine, error):
     expected = run_of(InHouse(integration_tolerance=1e-12))

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
+from marks import slow_in
 from numpy.testing import assert_allclose
 from runs import residual, run_scene
 from slotted import driven_rod, shaper, skew_quick_return
@@ -128,10 +129,6 @@ SCENES = {
         _scene(mechanism=ARM, joints="K", bearings=TIGHT, wear_updates=0),
         0.04774,
     ),
-    "coupler of a six-bar": (
-        _scene(mechanism=STEPHENSON, joints="C", bearings=TIGHT, wear_updates=0),
-        0.1237,
-    ),
     "loose rocker": (
         _scene(mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wear_updates=0),
         0.01038,
@@ -150,17 +147,9 @@ SCENES = {
         _scene(mechanism=shaper(), joints="A,C", bearings=TIGHT, wear_updates=0),
         0.01241,
     ),
-    "shaper, ram": (
-        _scene(mechanism=shaper(), joints="C", bearings=TIGHT, wear_updates=0),
-        0.03055,
-    ),
     "driven rod in a swinging block": (
         _scene(mechanism=driven_rod(), joints="B", bearings=TIGHT, wear_updates=0),
         0.06576,
-    ),
-    "four-bar": (
-        _scene(mechanism=FOUR_BAR, joints="B", bearings=Bearing(clearance=0.3e-3)),
-        0.02664,
     ),
     "toggle": (
         changed(
@@ -173,11 +162,11 @@ SCENES = {
 # By default each part of the tree has a linkage: those beside it are cut at other joints,
 # or run in other tests of this folder.
 SLOW = {
+    "press, A and C",
+    "press, C",
     "press, C, drives uneven",
-    "coupler of a six-bar",
+    "slider-crank, A and B",
     "loose rocker",
-    "shaper, ram",
-    "four-bar",
     "toggle",
 }
 TOUCHES = 10
@@ -194,10 +183,7 @@ def touchdowns(run: Run, joints: int) -> list[float]:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-        for name in SCENES
-    ],
+    slow_in(SLOW, SCENES),
 )
 def test_engines_agree_over_ten_touches_and_keep_the_energy(name):
     """1e-8 m and s, 1e-6 of the torques, 1e-7 of the energy that drives exchange."""

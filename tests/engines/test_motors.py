@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from marks import slow
 from upright_press import SHEET, blanked, from_the_top, upright_press
 
 import presswear as pw
@@ -174,7 +175,7 @@ PRESS_ENGINES = pytest.mark.parametrize(
     "engine",
     [
         InHouse(integration_tolerance=1e-10),
-        pytest.param(ExudynJoints(), marks=pytest.mark.slow),
+        slow(ExudynJoints()),
     ],
     ids=("dae", "exudyn-joints"),
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from marks import slow
 from runs import residual
 
 import presswear as pw
@@ -50,9 +51,7 @@ def test_the_slide_has_the_inertia_of_a_block():
     assert slider.inertia == pytest.approx(0.0288 * (0.1**2 + 0.05**2) / 12.0)
 
 
-@pytest.mark.parametrize(
-    "engine", [*ENGINES[:2], pytest.param(ENGINES[2], marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("engine", [*ENGINES[:2], slow(ENGINES[2])])
 def test_corners_chatter_before_the_work_and_none_is_lost(engine: Engine):
     run = run_of(SCENE, engine, BEFORE_THE_WORK)
     touches = [run.recorder.stored_contacts(k)[:, 0] for k in range(4)]
@@ -71,6 +70,7 @@ def test_the_ledger_closes_over_the_work():
     assert residual(run) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_vertical_and_a_horizontal_guide_are_equal():
     """Without gravity, over eight touches; the direction to the slide is right, not down."""
     turned = {"gravity": "0 m/s^2", "process": "none"}

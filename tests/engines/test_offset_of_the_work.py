@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from marks import slow
 from runs import simulated
 from upright_press import UP, upright_press
 
@@ -47,7 +48,7 @@ def press_on_a_stop() -> pw.Scene:
 
 @pytest.mark.parametrize(
     "engine",
-    [ENGINES[0], pytest.param(ENGINES[1], marks=pytest.mark.slow), ENGINES[2]],
+    [ENGINES[0], slow(ENGINES[1]), ENGINES[2]],
 )
 def test_two_opposite_corners_bear_a_force_beside_the_middle(engine: Engine):
     scene = press_on_a_stop()

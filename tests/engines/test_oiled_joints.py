@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from marks import slow
 from scipy.integrate import quad
 
 import presswear as pw
@@ -77,7 +78,7 @@ def test_steady_rotation():
     [
         IN_HOUSE,
         ExudynTree(),
-        pytest.param(ExudynJoints(), marks=pytest.mark.slow),
+        slow(ExudynJoints()),
     ],
 )
 def test_squeeze(engine: Engine):
@@ -86,9 +87,7 @@ def test_squeeze(engine: Engine):
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.5, abs=5e-6)
 
 
-@pytest.mark.parametrize(
-    "engine", [IN_HOUSE, pytest.param(ExudynTree(), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("engine", [IN_HOUSE, slow(ExudynTree())])
 def test_a_dwell_squeezes_the_oil_out(engine: Engine):
     """Nothing turns: the time of a gap is A / F times the integral of So_sq, t ~ 1 / sqrt(g)."""
     smooth = Oil(viscosity=0.1, roughness=4e-9, asperity_pressure=1e5)

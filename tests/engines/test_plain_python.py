@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marks import slow
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
@@ -34,9 +35,7 @@ def end_of_run(engine: str) -> Array:
     return np.concatenate([[run.diagnostics["steps"]], *numbers])
 
 
-@pytest.mark.parametrize(
-    "engine", ["tree", "dae", pytest.param("joints", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("engine", ["tree", "dae", slow("joints")])
 def test_a_run_in_plain_python_ends_as_a_compiled_one(engine, tmp_path):
     script = "import sys, numpy, test_plain_python as plain\n"
     script += "numpy.save(sys.argv[1], plain.end_of_run(sys.argv[2]))"

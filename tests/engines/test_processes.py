@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from closed_form import Turning, needed_by_virtual_work, press_motion
+from marks import slow
 from scipy.optimize import brentq
 
 import presswear as pw
@@ -72,8 +73,16 @@ def check_work(
     return torque, smooth
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
+@pytest.mark.parametrize(
+    ("process", "engine"),
+    [
+        *((process, "dae") for process in PROCESSES),
+        slow(PROCESSES[0], "exudyn-joints"),
+        slow(PROCESSES[1], "exudyn-joints"),
+        (PROCESSES[2], "exudyn-joints"),
+    ],
+    ids=lambda value: getattr(value, "kind", value),
+)
 def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine):
     strokes = 2 if engine == "dae" else 1
     scene = replace(

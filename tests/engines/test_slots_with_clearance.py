@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marks import slow, slow_in
 from runs import compare_engines, residual, run_scene, simulated
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -76,15 +77,10 @@ def scene_of(name: str, **bearing: Any) -> pw.Scene:
 
 # A slot on a crank, as the Scotch yoke has, and a bore that runs without loss, too.
 SLOW = ("quick return", "slotted crank")
-NAMES = [
-    pytest.param(name, marks=[pytest.mark.slow] if name in SLOW else [])
-    for name in SCENES
-]
+NAMES = slow_in(SLOW, SCENES)
 
 
-@pytest.mark.parametrize(
-    "name", [NAMES[0], pytest.param("swinging block", marks=pytest.mark.slow), NAMES[4]]
-)
+@pytest.mark.parametrize("name", [NAMES[0], slow("swinging block"), NAMES[4]])
 def test_engines_agree_and_keep_the_energy(name):
     """With friction and damping, over more than 8 touches of the corners."""
     scene = scene_of(name, friction=0.05, restitution=0.8)
@@ -165,7 +161,13 @@ def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
     return linkage, simulated(engine, linkage, start, DURATION)
 
 
-@pytest.mark.parametrize(("engine", "within"), ENGINES)
+# The other tests of walls that turn run in the tree, too.
+TURNING = pytest.mark.parametrize(
+    ("engine", "within"), [ENGINES[0], slow(*ENGINES[1]), ENGINES[2]]
+)
+
+
+@TURNING
 def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within):
     """The block goes out by cosh and presses by the force of Coriolis, 2 m W^2 r sinh."""
     _, run = turning_evenly(engine)
@@ -181,7 +183,7 @@ def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within):
     assert abs(tilt) < within
 
 
-@pytest.mark.parametrize(("engine", "within"), ENGINES)
+@TURNING
 def test_a_wall_that_turns_wears_where_the_block_presses(engine: Engine, within):
     """V = K_d m (W r)^2 (sinh 2 p - 2 p) / 2 after the angle p, over the way of both corners."""
     linkage, run = turning_evenly(engine)
@@ -346,9 +348,7 @@ def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
     assert off[:, 2].max() < 2.0 * play / (0.5 * L)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("Scotch yoke", marks=pytest.mark.slow), *NAMES[1:]]
-)
+@pytest.mark.parametrize("name", [slow("Scotch yoke"), *NAMES[1:]])
 def test_no_energy_is_lost_without_friction_and_damping(name):
     scene = scene_of(name, friction=0.0, restitution=1.0)
     run = run_scene(scene, FINE, 0.5 * scene.mechanism.period)
@@ -368,8 +368,8 @@ def test_energy_is_conserved_over_200_turns_of_a_crank():
     ("engine", "within"),
     [
         (InHouse(integration_tolerance=1e-10), 1e-7),
-        pytest.param(ExudynTree(tree_tolerance=1e-10), 1e-7, marks=pytest.mark.slow),
-        pytest.param(ExudynJoints(), 1e-5, marks=pytest.mark.slow),
+        slow(ExudynTree(tree_tolerance=1e-10), 1e-7),
+        slow(ExudynJoints(), 1e-5),
     ],
 )
 def test_worn_walls_that_move_create_no_energy(engine: Engine, within):

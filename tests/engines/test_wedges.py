@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from marks import slow
 from runs import residual, run_scene
 from slotted import RADIUS, SPEED
 
@@ -122,8 +123,7 @@ def test_wedge_turns_with_its_carrier():
     ("linkage", "joints"),
     [
         (wedge(), "E"),
-        (wedge_on_crank(), "A"),
-        (wedge_on_crank(), "none"),
+        slow(wedge_on_crank(), "A"),
         (turning_wedge(), "none"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,

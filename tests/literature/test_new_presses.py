@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from marks import slow
 from test_presses import extreme, heights
 
 import presswear as pw
@@ -227,8 +228,8 @@ def static_torque_of(kind: str, scene: pw.Scene) -> float:
     "kind",
     [
         "eccentric-press",
-        pytest.param("knuckle-press", marks=pytest.mark.slow),
-        pytest.param("link-drive", marks=pytest.mark.slow),
+        slow("knuckle-press"),
+        slow("link-drive"),
     ],
 )
 def test_page_one_of_a_new_press(kind, tmp_path):

@@ -110,8 +110,7 @@ def test_wear_under_the_inertia_of_the_yoke(clearance, within):
         assert profile.mean(axis=1) == pytest.approx([1.0, 1.0], abs=2e-3)
 
 
-@pytest.mark.parametrize("worn", [0.0, 20e-6, 50e-6])
-@pytest.mark.parametrize("tuned", [1.0, 0.995])
+@pytest.mark.parametrize(("worn", "tuned"), [(0.0, 1.0), (20e-6, 0.995), (50e-6, 1.0)])
 def test_wear_relieves_the_load_that_causes_it(worn, tuned):
     """dh/dN = k (Q - c h): the two passes of a turn over a place have Q - c h in the mean.
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bush import CLEARANCE, COEFFICIENT, CYCLE, FRICTION, WIDTH, Worn, bush, worn
+from marks import slow
 from scipy.optimize import brentq
 
 import presswear as pw
@@ -255,9 +256,7 @@ def test_a_life_ends_at_the_strokes_of_archard(engine):
     assert life.error < 5e-3
 
 
-@pytest.mark.parametrize(
-    "engine", ["exudyn-tree", pytest.param("exudyn-joints", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("engine", ["exudyn-tree", slow("exudyn-joints")])
 def test_engines_of_exudyn(engine):
     """The lens is that of two circles, and the volume follows Archard's law to round-off."""
     result = worn_to(0.3, 0.02, 60, engine=engine, angles=90)

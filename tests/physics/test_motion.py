@@ -123,7 +123,7 @@ BOUNDS = [
 
 # Equal steps with contacts take long: the trapezoidal rule has the other motions below.
 def _is_long(name: str, engine: str) -> bool:
-    return engine == "exudyn-joints" and name in ("four-bar", "slider-crank")
+    return engine == "exudyn-joints" and name in ("four-bar", "slider-crank", "rises")
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from marks import slow
 
 import presswear as pw
 from presswear.campaign.replicates import start_of
@@ -103,7 +104,7 @@ def simulated(scene: pw.Scene, duration: float) -> Run:
     )
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
+@pytest.mark.parametrize("engine", ["dae", slow("exudyn-joints")])
 def test_joints_with_clearance_are_no_constraints_of_a_run(engine):
     bearings = {"A2": BEARING, "A3": BEARING}
     scene = pw.Scene(
@@ -130,7 +131,7 @@ def settled_forces(linkage: Linkage, engine: str) -> list[float]:
     return means
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+@pytest.mark.parametrize("engine", ["dae", slow("exudyn-tree")])
 def test_rods_of_a_guided_slide_with_clearance_carry_the_load(engine):
     press = pw.TwoPoint(speed=SLOW).linkage()
     forces = settled_forces(press.changed(loads=[pw.Load("slider", y=FORCE)]), engine)

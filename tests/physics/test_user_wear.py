@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bush import COEFFICIENT, bush, worn
+from marks import slow
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
 from two_bodies import JOINT, placed, worn_joint
@@ -161,7 +162,7 @@ def test_a_law_of_the_pressure_visits_the_bins_in_contact(
 
 @pytest.mark.parametrize(
     "engine",
-    ["dae", "exudyn-tree", pytest.param("exudyn-joints", marks=pytest.mark.slow)],
+    ["dae", "exudyn-tree", slow("exudyn-joints")],
 )
 def test_a_bush_wears_by_a_law_of_the_pressure(engine):
     """A constant law gives Archard's map to round-off, and a power the map of the built-in one."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from marks import slow
 from swinging_slide import (
     AMPLITUDE,
     FORCE,
@@ -63,7 +64,7 @@ def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine):
 
 @pytest.mark.parametrize(
     "engine",
-    [*ENGINES[:2], pytest.param(ENGINES[2], marks=pytest.mark.slow)],
+    [*ENGINES[:2], slow(ENGINES[2])],
     ids=lambda one: one.word,
 )
 def test_a_worn_wall_creates_no_energy(engine: Engine):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from marks import slow
 from swinging_slide import (
     AMPLITUDE,
     COEFFICIENT,
@@ -79,7 +80,7 @@ def test_the_way_of_a_step_is_that_of_the_corner():
     [
         (InHouse(integration_tolerance=1e-9), 2e-3),
         (ExudynTree(), 2e-3),
-        pytest.param(ExudynJoints(), 1e-2, marks=pytest.mark.slow),
+        slow(ExudynJoints(), 1e-2),
     ],
 )
 def test_the_slide_sinks_into_the_wall_that_it_wears(engine: Engine, within):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from marks import slow
 
 import presswear as pw
 from presswear.campaign.replicates import disturbed, start_of
@@ -82,10 +83,7 @@ def document_of(folder: Path) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("engine", "name", "distance", "bound"),
     [
-        pytest.param(
-            *("exudyn-joints", "Exudyn, steps / 16", "output", 1e-6),
-            marks=pytest.mark.slow,
-        ),
+        slow(*("exudyn-joints", "Exudyn, steps / 16", "output", 1e-6)),
         ("exudyn", "Exudyn's tree at 1e-11", "output to touch 3", 1e-8),
     ],
 )
