@@ -11,14 +11,15 @@ import math
 import numpy as np
 
 from presswear.physics.foundation import (
+    Search,
     derivatives_at,
+    greatest_overlap,
     integrate_overlap,
     node_of_peak,
 )
 from presswear.physics.friction_and_normal import elastic_of
-from presswear.physics.overlap import place_of
+from presswear.physics.overlap import Place, place_of
 from presswear.physics.packed import JOINT
-from presswear.physics.rotation import cos_sin
 from presswear.physics.wall_wear import wall_profile
 from presswear.physics.worn_map import BEARING, PIN, SURFACES, cell_of, profile
 from presswear.tools.arrays import Array
@@ -46,6 +47,8 @@ CONTACT = np.dtype(
         # on a foundation the direction of the greatest overlap, rad; of a corner on a
         # wall with a map its place along the guide, m
         ("place", np.float64),
+        # x axis of the map of a worn bearing
+        *floats("map_x", "map_y"),
         # moment of the pressure on the worn pin about the contact point, N m; the moment on
         # the bearing is opposite
         ("couple", np.float64),
@@ -134,40 +137,31 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     contact.place = contact.couple = 0.0
 
 
-@lazily_compiled(None, JOINT, SURFACES, CONTACT)
-def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
+@lazily_compiled(None, JOINT, SURFACES, CONTACT, False)
+def note_foundation(
+    joint: Records, surfaces: Array, contact: Records, is_complete: bool
+) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
     Force and couples are the gradient of the elastic energy in e and in both bodies'
     angles, equations W4 and W5. The bearing's couple follows from the pin's: if both
     turn together, nothing changes. Damping multiplies all of them, with the rate at
-    which they are worked against.
+    which they are worked against. Forces do not depend on the greatest overlap, which is
+    filled in, with its rate and place and the energy, if ``is_complete``.
     """
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
+    c, s = contact.map_x, contact.map_y
     turns = joint.map_turns
-    zero = turns * contact.bearing_angle
-    c, s = cos_sin(zero)
     relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
     place = place_of(
         joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
     )
-    overlap, cell, arc = integrate_overlap(surfaces, joint, place, contact.place - zero)
-    peak, pin_depth = node_of_peak(surfaces, place, cell)
-    nx = c * peak.nx - s * peak.ny
-    ny = s * peak.nx + c * peak.ny
-    pin_slope = peak.pin_slope / place.width
-    # Where the overlap is greatest its derivative by the angle is zero.
-    bearing_slope = dy * nx - dx * ny - pin_slope
-    rate = contact.velocity_x * nx + contact.velocity_y * ny
-    rate += turns * (
-        bearing_slope * contact.bearing_spin + pin_slope * contact.pin_spin
+    search, arc = integrate_overlap(
+        surfaces, joint, place, contact.place - turns * contact.bearing_angle
     )
-    elastic = couple = 0.0
-    closing = approach = rate
+    nx = ny = elastic = couple = approach = closing = 0.0
     size = math.sqrt(arc.x * arc.x + arc.y * arc.y)
-    if size == 0.0:
-        overlap = min(overlap, 0.0)  # what has no arc is round-off
-    if overlap > 0.0:
+    if size > 0.0:
         elastic = joint.foundation * size
         nx = (c * arc.x - s * arc.y) / size
         ny = (s * arc.x + c * arc.y) / size
@@ -180,18 +174,51 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         approach = contact.velocity_x * nx + contact.velocity_y * ny - power / elastic
         # Maps fixed in direction store no energy when the bodies turn.
         closing = approach if turns > 0.0 else approach + power / elastic
-    pin_arm = joint.pin_radius - pin_depth - 0.5 * max(overlap, 0.0)
-    contact.penetration = overlap
-    contact.rate = rate
     contact.normal_x, contact.normal_y = nx, ny
-    contact.pin_arm = pin_arm
-    contact.bearing_arm = pin_arm + dx * nx + dy * ny
     contact.approach = approach
     contact.closing = closing
     contact.elastic = elastic
-    contact.energy = 0.5 * joint.foundation * arc.square
-    contact.place = zero + (cell + 0.5) * place.width
     contact.couple = couple
+    if is_complete:
+        contact.energy = 0.5 * joint.foundation * arc.square
+        note_deepest(joint, surfaces, contact, place, search)
+    # The contact point is halfway between the circles of both surfaces before wear.
+    along = dx * contact.normal_x + dy * contact.normal_y
+    contact.pin_arm = joint.pin_radius - 0.5 * max(along - joint.clearance, 0.0)
+    contact.bearing_arm = contact.pin_arm + along
+
+
+@inlined
+def note_deepest(
+    joint: Records, surfaces: Array, contact: Records, place: Place, search: Search
+) -> None:
+    """Fill in the greatest overlap of a pin on its foundation, its rate and its place.
+
+    Without an arc of overlap the normal is that of the place where the pin comes
+    nearest.
+    """
+    overlap, cell = greatest_overlap(surfaces, place, search)
+    peak = node_of_peak(surfaces, place, cell)
+    c, s = contact.map_x, contact.map_y
+    nx = c * peak.nx - s * peak.ny
+    ny = s * peak.nx + c * peak.ny
+    pin_slope = peak.pin_slope / place.width
+    # Where the overlap is greatest its derivative by the angle is zero.
+    bearing_slope = (
+        contact.eccentricity_y * nx - contact.eccentricity_x * ny - pin_slope
+    )
+    rate = contact.velocity_x * nx + contact.velocity_y * ny
+    rate += joint.map_turns * (
+        bearing_slope * contact.bearing_spin + pin_slope * contact.pin_spin
+    )
+    if contact.elastic == 0.0:
+        overlap = min(overlap, 0.0)  # what has no arc is round-off
+        contact.normal_x, contact.normal_y = nx, ny
+        contact.approach = contact.closing = rate
+    contact.penetration = overlap
+    contact.rate = rate
+    contact.place = joint.map_turns * contact.bearing_angle
+    contact.place += (cell + 0.5) * place.width
 
 
 @compiled
@@ -225,7 +252,7 @@ def deepest_acceleration(
     turns = joint.map_turns
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
     zero = turns * contact.bearing_angle
-    c, s = cos_sin(zero)
+    c, s = contact.map_x, contact.map_y
     relative_angle = turns * (contact.bearing_angle - contact.pin_angle)
     place = place_of(
         joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle

@@ -49,7 +49,6 @@ from presswear.physics.worn_map import (
     PLACE_Y,
     SINE,
     cell_of,
-    depth_at,
 )
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, vectorised
@@ -271,11 +270,20 @@ def integrate_cells(
     return sums
 
 
+class Search(NamedTuple):
+    """Cells in which the overlap may be greatest."""
+
+    first: int
+    last: int  # before the first one if there is none
+    before: int  # node near which the overlap was greatest before
+    previous: float  # overlap at this node, m
+
+
 @compiled
 def integrate_overlap(
     surfaces: Array, joint: Records, place: Place, angle: float
-) -> tuple[float, float, ArcIntegrals]:
-    """Return the greatest overlap, m, its place in cells, and the integrals of the overlap.
+) -> tuple[Search, ArcIntegrals]:
+    """Return the cells in which the overlap may be greatest, and the integrals of the overlap.
 
     Parameters
     ----------
@@ -294,10 +302,8 @@ def integrate_overlap(
     first, last = cells_of_overlap(surfaces, place, first, count, least)
     count = min((last + LANES - first) // LANES * LANES, joint.surface_nodes)
     survey = survey_cells(surfaces, place, first, count, previous)
-    greatest = previous
-    peak = float(before)
-    for node in range(first + survey.first_hump, first + survey.last_hump + 1):
-        greatest, peak = greatest_within(surfaces, place, node, greatest, peak)
+    last_hump = first + survey.last_hump
+    search = Search(first + survey.first_hump, last_hump, before, previous)
     sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 0)
     is_arc = survey.starts == survey.ends == 1 and survey.start < survey.end
     if survey.others == 0 and is_arc:
@@ -316,20 +322,29 @@ def integrate_overlap(
     sums = ArcIntegrals(
         scale * sums.x, scale * sums.y, sums.pin_slope, sums.square, sums.arcs
     )
-    return greatest, peak, sums
+    return search, sums
 
 
 @inlined
-def node_of_peak(surfaces: Array, place: Place, cell: float) -> tuple[Node, float]:
-    """Return the overlap at its maximum, a place in cells, and the depth of the pin there."""
+def greatest_overlap(
+    surfaces: Array, place: Place, search: Search
+) -> tuple[float, float]:
+    """Return the greatest overlap, m, and its place in cells."""
+    greatest = search.previous
+    peak = float(search.before)
+    for node in range(search.first, search.last + 1):
+        greatest, peak = greatest_within(surfaces, place, node, greatest, peak)
+    return greatest, peak
+
+
+@inlined
+def node_of_peak(surfaces: Array, place: Place, cell: float) -> Node:
+    """Return the overlap at its maximum, a place in cells."""
     node = int(cell)
-    x = cell - node
     left = node_at(surfaces, place, node)
     right = node_at(surfaces, place, node + 1)
     p = overlap_between(left, right, place.width)
-    peak = node_within(left, right, p, place.width, x)
-    gap = place.dx * peak.nx + place.dy * peak.ny - place.clearance
-    return peak, gap - peak.overlap - depth_at(surfaces, BEARING, node, x)[0]
+    return node_within(left, right, p, place.width, cell - node)
 
 
 @inlined

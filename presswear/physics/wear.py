@@ -17,7 +17,6 @@ from presswear.physics.arc_shares import count_arcs, deposit_round, share_arc
 from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.overlap import place_of
 from presswear.physics.packed import JOINT
-from presswear.physics.rotation import cos_sin
 from presswear.physics.worn_map import ARC_END, ARC_START, SURFACES, bin_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
@@ -203,7 +202,7 @@ def share_worn_arc(
 ) -> tuple[float, float]:
     """Add the integrals of the overlap to the bins of both maps; return the arc, rad."""
     dx, dy = contact.eccentricity_x, contact.eccentricity_y
-    c, s = cos_sin(zero)
+    c, s = contact.map_x, contact.map_y
     place = place_of(
         joint, c * dx + s * dy, c * dy - s * dx, contact.eccentricity, relative_angle
     )

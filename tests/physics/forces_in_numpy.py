@@ -154,8 +154,12 @@ class Forces:
             contact[f"{name}_spin"] = end.spin
             contact[f"{name}_lever_x"], contact[f"{name}_lever_y"] = end.arm
         if joint["surface_bins"] > 0:
-            note = note_foundation if joint["foundation"] > 0.0 else note_radial
-            note(joint, surfaces, contact)
+            zero = joint["map_turns"] * bearing.angle
+            contact.map_x, contact.map_y = math.cos(zero), math.sin(zero)
+            if joint["foundation"] > 0.0:
+                note_foundation(joint, surfaces, contact, True)
+            else:
+                note_radial(joint, surfaces, contact)
         else:
             self._round(joint, contact, e, rate_of_e)
         normal = np.array([contact.normal_x, contact.normal_y])
@@ -191,7 +195,7 @@ class Forces:
             self.state_rates.append(rate)
         if not is_closed or onset < 0.0:
             return
-        onset = max(onset if onset > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
+        onset = max(onset if onset > 0.0 else contact.closing, ONSET_SPEED_FLOOR)
         depth = contact.penetration
         closing = contact.closing
         contact.normal = normal_force(

@@ -342,7 +342,11 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
     for penetration in (-1e-19, 1e-19):
 
         def barely(
-            joint: Any, surfaces: Array, contact: Any, depth: float = penetration
+            joint: Any,
+            surfaces: Array,
+            contact: Any,
+            is_complete: bool,
+            depth: float = penetration,
         ) -> None:
             contact["penetration"] = depth
             contact["elastic"] = contact["couple"] = contact["energy"] = 0.0

@@ -25,10 +25,9 @@ from presswear.physics.packed import Packed
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
-# Fields that ``contact.note_radial`` and ``note_foundation`` compute on worn surfaces
+# Fields that ``contact.note_radial`` and ``note_foundation`` compute on worn surfaces in
+# every evaluation, and those of the greatest overlap
 _FIELDS_OF_KERNELS = (
-    "penetration",
-    "rate",
     "normal_x",
     "normal_y",
     "pin_arm",
@@ -36,10 +35,9 @@ _FIELDS_OF_KERNELS = (
     "approach",
     "closing",
     "elastic",
-    "energy",
-    "place",
     "couple",
 )
+_FIELDS_OF_DEEPEST = ("penetration", "rate", "energy", "place")
 # Variables of the forces and moments, which are zero in an open joint
 _FORCES = (
     "normal_force",
@@ -115,6 +113,18 @@ class ContactText(MotionText):
         return self.uses_kernel or self.joint.round_normal.user_law is not None
 
     @property
+    def is_on_foundation(self) -> bool:
+        """True if worn surfaces press on each other over an arc."""
+        return self.uses_kernel and bool(self.record["foundation"] > 0.0)
+
+    @property
+    def reads_penetration(self) -> bool:
+        """True if forces, wear or a state depend on the greatest overlap of worn surfaces."""
+        by_wear = self.wears_by_pressure or bool(self.record["slip_by_angle"])
+        has_user_law = self.joint.round_normal.user_law is not None
+        return by_wear or has_user_law or self.friction.has_state
+
+    @property
     def title(self) -> str:
         """Comment with the name of the joint and its bodies."""
         joint = self.joint
@@ -175,7 +185,8 @@ class ContactText(MotionText):
         else:
             self._write_penetration()
         sliding = self.write_sliding()
-        is_closed = f"{self.value('penetration')} > {ZERO}"
+        depth = "elastic" if self.is_on_foundation else "penetration"
+        is_closed = f"{self.value(depth)} > {ZERO}"
         self.friction.write_state(sliding, is_closed)
         with text.block(f"if {is_closed}:"):
             if not self.uses_kernel:
@@ -223,15 +234,22 @@ class ContactText(MotionText):
     def _write_kernel_call(self) -> None:
         """Write the call of the kernel for worn surfaces."""
         self.fields["turning"] = self.turning()
+        turns = self.record["map_turns"] > 0.0
+        self.set_fields("map", self.bearing.axis if turns else Vector(ONE, ZERO))
         contact = self.let("contact", f"data.contacts[{self.number}]")
         for field, value in self.fields.items():
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")
-        is_radial = self.record["foundation"] == 0.0
-        kernel = "note_radial" if is_radial else "note_foundation"
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
-        self.text.write(f"{kernel}({arguments})")
-        for field in _FIELDS_OF_KERNELS:
+        fields = _FIELDS_OF_KERNELS + _FIELDS_OF_DEEPEST
+        if not self.is_on_foundation:
+            self.text.write(f"note_radial({arguments})")
+        elif self.reads_penetration:
+            self.text.write(f"note_foundation({arguments}, True)")
+        else:
+            self.text.write(f"note_foundation({arguments}, level == END)")
+            fields = _FIELDS_OF_KERNELS
+        for field in fields:
             self.fields[field] = self.let(field, f"{contact}[{FIELDS[field]}]")
 
     def _write_forces(self, onset: str) -> None:
@@ -260,11 +278,9 @@ class ContactText(MotionText):
         """Write the moments about both mass centres of a force at one common point."""
         radius = normal.times(self.value("pin_arm"))
         couple = ZERO
-        if self.uses_kernel and self.record["foundation"] > 0.0:
-            # The elastic force is zero at a penetration of some 1e-19 m, by underflow.
+        if self.is_on_foundation:
             elastic = self.value("elastic")
             scaled = f"{normal_force} / {elastic} * {self.value('couple')}"
-            scaled = f"{scaled} if {elastic} > {ZERO} else {ZERO}"
             couple = self.let("couple_moment", scaled)
         if self.pin.index >= 0:
             point = self.pin_arm.plus(radius)
@@ -316,6 +332,6 @@ class ContactText(MotionText):
         self.fields["normal"] = self.name("normal_force")
         self.fields["tangential"] = self.name("friction_force")
         for field, value in self.fields.items():
-            if self.uses_kernel and field in _FIELDS_OF_KERNELS:
+            if self.uses_kernel and field in _FIELDS_OF_KERNELS + _FIELDS_OF_DEEPEST:
                 continue
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")

@@ -57,7 +57,7 @@ class NormalForceText:
             return elastic
         if law.user_law is None and law.viscosity > 0.0:
             return f"max({elastic} + {product(damping, closing)}, {ZERO})"
-        speed = f"{onset} if {onset} > {ZERO} else {motion.value('rate')}"
+        speed = f"{onset} if {onset} > {ZERO} else {closing}"
         limited = f"max({speed}, {motion.onset_floor})"
         touchdown_speed = motion.let("touchdown_speed", limited)
         if law.user_law is None:
