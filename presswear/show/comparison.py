@@ -134,7 +134,7 @@ def _verdict_on(quotient: Estimate) -> str:
     """Return whether a ratio lies above or below 1 with its whole interval."""
     if quotient.low is None or quotient.high is None:
         return "interval unknown"
-    if quotient.low == quotient.high == 1.0:
+    if readable(quotient.low) == readable(quotient.high) == readable(1.0):
         return "equal"
     if quotient.low > 1.0:
         return f"{SECOND_RUN} is larger"

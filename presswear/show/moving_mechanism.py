@@ -6,6 +6,7 @@ beside the mechanism, much larger than the radii, as in the replay.
 
 import json
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
+from presswear.linkage.surface import bin_centres
 from presswear.recording.film import Film
 from presswear.results.result import Result
 from presswear.show.figures.style import Pen, ShownStage
@@ -37,6 +39,7 @@ _ARROW = (
 )
 _LEAST_FORCE = 1e-300  # N, avoids a division by zero
 _INK = "#1a1a1a"
+_OUTLINE = 120  # points of the outline of a worn surface
 
 
 class MovingMechanism(NamedTuple):
@@ -74,9 +77,10 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
     linkage = scene.linkage(stage.surfaces)
     drawing = _drawing_of(linkage, film)
     joints = _largest_joints(linkage, film)
+    enlarged = {k: _factor(linkage, film, k, len(joints)) for k in joints}
     frames = {
         "bodies": _poses(linkage, film, drawing).tolist(),
-        "joints": _places(linkage, film, joints).tolist(),
+        "joints": _places(linkage, film, enlarged).tolist(),
         "numbers": _numbers(film, window.period, window.run_up, joints).tolist(),
         "names": [window.phase, *(linkage.clearances[k].name for k in joints)],
     }
@@ -87,12 +91,12 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
         gaps = ", ".join(
             f"{joint.name} {quantity_text(joint.clearance, 'm')}" for joint in shown
         )
-        text += f" The dashed circles have the radius of the clearance, much enlarged: {gaps}. "
-        text += "The dot is the centre of the pin. Red: force of the pin on its bearing; the "
-        text += "length of the arrow grows as the square root of the force."
+        text += f" The dashed circles have the radius of the new clearance, much enlarged: {gaps}. "
+        text += "Wear is enlarged as much. The dot is the centre of the pin. Red: force of the "
+        text += "pin on its bearing; the length of the arrow grows as the square root of the force."
     caption = in_words_of(scene, text)
     return MovingMechanism(
-        _svg(linkage, film, drawing, joints),
+        _svg(linkage, film, drawing, enlarged),
         json.dumps(frames, ensure_ascii=False, separators=(",", ":")),
         len(film.time),
         caption,
@@ -136,24 +140,36 @@ def _radius(count: int) -> float:
     return _CIRCLE * _HEIGHT / max(count, 2)
 
 
-def _factor(joint: ClearanceJoint, count: int) -> float:
-    """Return the scale of an enlarged clearance, units of the picture per m."""
-    return (1.0 - _PIN) * _radius(count) / joint.clearance
+def _eccentricity(linkage: Linkage, film: Film, k: int) -> Array:
+    """Return the places of a pin in its bearing, shape (n, 2), m."""
+    joint = linkage.clearances[k]
+    bearing = shapes.points_of(linkage, film.position, joint.bearing)[:, :2]
+    pin = shapes.points_of(linkage, film.position, joint.pin)[:, :2]
+    return np.asarray(pin - bearing)
 
 
-def _places(linkage: Linkage, film: Film, joints: list[int]) -> Array:
+def _factor(linkage: Linkage, film: Film, k: int, count: int) -> float:
+    """Return the scale of an enlarged clearance, units of the picture per m.
+
+    The worn bearing, and the pin at its farthest place, are within the circle of ``_radius``.
+    """
+    joint = linkage.clearances[k]
+    worn = joint.clearance + float(joint.bearing_surface.depth.max(initial=0.0))
+    farthest = float(np.hypot(*_eccentricity(linkage, film, k).T).max())
+    return (1.0 - _PIN) * _radius(count) / max(worn, farthest)
+
+
+def _places(linkage: Linkage, film: Film, enlarged: Mapping[int, float]) -> Array:
     """Return the place of each pin centre and the arrow of its force, shape (n, 4 joints).
 
     Both have x and y in units of the picture. The place is relative to the centre of the
-    bearing, and the arrow to the centre of the pin.
+    bearing, and the arrow to the centre of the pin. ``enlarged`` has the scale of each joint
+    by its index.
     """
-    radius = _radius(len(joints))
-    result = np.zeros((len(film.time), len(joints), 4))
-    for column, k in enumerate(joints):
-        joint = linkage.clearances[k]
-        bearing = shapes.points_of(linkage, film.position, joint.bearing)[:, :2]
-        pin = shapes.points_of(linkage, film.position, joint.pin)[:, :2]
-        result[:, column, :2] = _factor(joint, len(joints)) * (pin - bearing)
+    radius = _radius(len(enlarged))
+    result = np.zeros((len(film.time), len(enlarged), 4))
+    for column, (k, factor) in enumerate(enlarged.items()):
+        result[:, column, :2] = factor * _eccentricity(linkage, film, k)
         row = film.joints[:, k]
         normal = row[:, [X, Y]]
         across = np.column_stack([-normal[:, 1], normal[:, 0]])
@@ -175,11 +191,13 @@ def _numbers(
     return np.column_stack([degrees, forces]).astype(np.int64)
 
 
-def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> Markup:
+def _svg(
+    linkage: Linkage, film: Film, drawing: _Drawing, enlarged: Mapping[int, float]
+) -> Markup:
     """Return the picture with all bodies at their origin, upright by a flip of its y axis."""
-    radius = _radius(len(joints))
+    radius = _radius(len(enlarged))
     width = drawing.size[0]
-    if joints:
+    if enlarged:
         width += 2.0 * radius + 70.0
     parts = [
         f'<svg viewBox="0 0 {width:.0f} {_HEIGHT:.0f}" role="img" aria-label="mechanism">',
@@ -189,21 +207,49 @@ def _svg(linkage: Linkage, film: Film, drawing: _Drawing, joints: list[int]) -> 
         "</g>",
     ]
     middle = drawing.size[0] + radius + 50.0
-    for column, k in enumerate(joints):
-        centre = _HEIGHT * (column + 0.5) / max(len(joints), 2)
-        name = escape(linkage.clearances[k].name)
+    for column, (k, factor) in enumerate(enlarged.items()):
+        centre = _HEIGHT * (column + 0.5) / max(len(enlarged), 2)
+        joint = linkage.clearances[k]
+        bearing = _PIN * radius + factor * joint.clearance
         parts.append(
             f'<g transform="matrix(1 0 0 -1 {middle:.0f} {centre:.0f})">'
-            f'<circle r="{radius:.1f}" fill="#eef0f3" stroke="{_INK}"/>'
-            f'<circle r="{(1.0 - _PIN) * radius:.1f}" fill="none" stroke="#555" '
+            f"{_outline(linkage, joint, 'bearing', bearing, factor)}"
+            f'<circle r="{factor * joint.clearance:.1f}" fill="none" stroke="#555" '
             'stroke-dasharray="3 2"/>'
-            f'<g class="pin"><circle r="{_PIN * radius:.1f}" fill="#9aa5b1" '
-            f'fill-opacity="0.6" stroke="{_INK}"/><circle r="2" fill="{_INK}"/>'
-            '<line stroke="#c1121f" stroke-width="2.5"/></g></g>'
+            f'<g class="pin">{_outline(linkage, joint, "pin", _PIN * radius, factor)}'
+            f'<circle r="2" fill="{_INK}"/><line stroke="#c1121f" stroke-width="2.5"/></g></g>'
             f'<text x="{middle - radius - 8.0:.0f}" y="{centre - 0.7 * radius:.0f}" '
-            f'text-anchor="end" font-weight="600">{name}</text>'
+            f'text-anchor="end" font-weight="600">{escape(joint.name)}</text>'
         )
     return Markup("".join([*parts, "</svg>"]))
+
+
+def _outline(
+    linkage: Linkage, joint: ClearanceJoint, side: str, radius: float, factor: float
+) -> str:
+    """Return the outline of a bearing or a pin, whose wear is enlarged as the clearance is.
+
+    ``radius`` is that of the unworn surface, units of the picture. A worn outline turns
+    with its body.
+    """
+    is_pin = side == "pin"
+    surface = joint.pin_surface if is_pin else joint.bearing_surface
+    fill = "#9aa5b1" if is_pin else "#eef0f3"
+    opacity = 0.6 if is_pin else 1.0
+    style = f'fill="{fill}" fill-opacity="{opacity}" stroke="{_INK}"'
+    count = surface.depth.size
+    if not count:
+        return f'<circle r="{radius:.1f}" {style}/>'
+    rows = slice(None, None, max(count // _OUTLINE, 1))
+    worn = factor * surface.depth[rows]
+    distance = radius - worn if is_pin else radius + worn
+    angle = bin_centres(count)[rows]
+    points = distance[:, np.newaxis] * np.column_stack([np.cos(angle), np.sin(angle)])
+    body = (joint.pin if is_pin else joint.bearing).body
+    turning = ""
+    if joint.map_frame == "body" and body != GROUND:
+        turning = f' class="outline" data-body="{linkage.index(body)}"'
+    return f'<path d="{_path(points)}" {style}{turning}/>'
 
 
 def _body_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:

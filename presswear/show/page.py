@@ -228,7 +228,7 @@ class KeyNumber(NamedTuple):
     """Number on the first screen: its name, value with unit, interval, and short meaning.
 
     ``compared`` holds names and values to which it is compared, a line each.
-    A number with a note, such as ``from 12 strokes; 20 are enough``, is uncertain: it is grey.
+    A number with a note, such as ``from 12 strokes``, is uncertain: it is grey.
     ``estimate`` is the number in SI, which two results are compared by.
     """
 

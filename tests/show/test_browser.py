@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import made_up_result as made
+import numpy as np
 import pytest
 from selenium.webdriver import ActionChains, Chrome, ChromeOptions
 from selenium.webdriver.chrome.service import Service
@@ -120,6 +121,9 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report):
     assert is_as_wide_as_its_window(browser)
     value = browser.find_element(By.CSS_SELECTOR, ".key .value")
     assert value.rect["y"] < 800
+    # A verdict on a limit is in one line.
+    lines = "[...document.querySelectorAll('.light')].map(box => box.getClientRects().length)"
+    assert {*browser.execute_script(f"return {lines}")} == {1}
 
 
 def test_a_table_that_scrolls_says_so(browser: Chrome, report):
@@ -174,7 +178,10 @@ def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(browser: Chrome, r
 def running(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the report of a run, whose film moves the mechanism."""
     folder = tmp_path_factory.mktemp("running") / "result"
-    scene = pw.scenes.press_blanking(engine="dae", cycles=4, wear_updates=0)
+    groove = pw.linkage.Surface(1e-5 * (1.0 + np.cos(np.linspace(0.0, 6.28, 360))))
+    scene = pw.scenes.press_blanking(
+        engine="dae", cycles=4, wear_updates=0, surfaces={"C": (groove, None)}
+    )
     return write_report(pw.run(scene, folder))
 
 
@@ -193,6 +200,12 @@ def test_a_slider_moves_the_mechanism(browser: Chrome, running, width):
     slider.send_keys(Keys.END)
     places.append(body.get_dom_attribute("transform"))
     assert len({*places}) == 4
+    # The worn bearing turns as its body does.
+    worn = browser.find_element(By.CSS_SELECTOR, ".motion .outline")
+    number = int(worn.get_dom_attribute("data-body") or 0)
+    bodies = browser.find_elements(By.CSS_SELECTOR, ".motion .body")
+    pose = bodies[number].get_dom_attribute("transform") or ""
+    assert pose.endswith(f" {worn.get_dom_attribute('transform')}")
     assert browser.execute("getLog", {"type": "browser"})["value"] == []
     assert is_as_wide_as_its_window(browser)
 

@@ -54,6 +54,18 @@ def test_a_ratio_with_an_unknown_sign_has_no_interval():
     assert bottom.low == pytest.approx(0.5 / math.sqrt(2.2 / 1.8))
 
 
+def test_numbers_that_read_the_same_are_equal():
+    """A computed number without an error may differ in its fifth digit."""
+    first = ONE.stages[0].statistics.joints["A"].peak_force_per_cycle.mean
+    exact = Estimate(1.00002 * first, 1.00002 * first, 1.00002 * first, 20)
+    both = [
+        with_force(ONE, replace(exact, mean=m, low=m, high=m))
+        for m in (first, exact.mean)
+    ]
+    pairs = {pair.name: pair for pair in number_pairs(*both)}
+    assert pairs["Peak joint force"].ratio == ("1.00", "equal")
+
+
 @pytest.mark.parametrize(
     ("force", "text", "verdict"),
     [

@@ -32,13 +32,13 @@ from presswear.tools.numbers import quantity_text
             Estimate(150.0, 1e-20, 1e20, 4),
             "150 N",
             "interval unknown",
-            "from 4 strokes; 20 are enough",
+            "from 4 strokes",
         ),
         (
             Estimate.symmetric(150.0, 3.0, 19),
             "150 N",
             "147 to 153 N",
-            "from 19 strokes; 20 are enough",
+            "from 19 strokes",
         ),
         (Estimate.symmetric(-150.0, 100.0, 20), "−150 N", "−250 to −50 N", ""),
     ],
@@ -235,7 +235,7 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth():
     statistics = result.stages[1].statistics
     started = altered(result, 1, statistics=replace(statistics, cycles=4))
     last = wear_of(started)
-    assert last.note == "from 2 strokes; 20 are enough"  # without those of the start-up
+    assert last.note == "from 2 strokes"  # without those of the start-up
     joint = statistics.joints["A"]
     peak = replace(joint.wear_peaks["both"], depth=known)
     worn = replace(joint, wear_peaks=dict.fromkeys(joint.wear_peaks, peak))

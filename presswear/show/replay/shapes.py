@@ -26,7 +26,16 @@ Colour = tuple[float, ...]  # red, green, blue, alpha, 0 to 1
 
 SEGMENTS = 48  # straight segments of a full circle
 # Palette of Okabe and Ito, distinguishable with every common colour blindness.
-BODY_COLOURS = ("#D55E00", "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
+BODY_COLOURS = (
+    "#D55E00",
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#CC79A7",
+    "#56B4E9",
+    "#F0E442",
+    "#777777",
+)
 JOINT_COLOURS = tuple(map(to_rgba, ("#0072B2", "#D55E00", "#009E73", "#CC79A7")))
 INK = to_rgba("#1a1a1a")
 PAPER = to_rgba("#ffffff")

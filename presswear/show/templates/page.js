@@ -34,10 +34,11 @@ for (const box of document.querySelectorAll(".zoom")) {
 }
 for (const box of document.querySelectorAll(".motion")) {
   const frames = JSON.parse(box.dataset.frames), slider = box.querySelector("input");
-  const bodies = box.querySelectorAll(".body"), pins = box.querySelectorAll(".pin");
+  const bodies = box.querySelectorAll(".body"), pins = box.querySelectorAll(".pin"), outlines = box.querySelectorAll(".outline");
   const show = () => {
     const k = slider.value, pose = frames.bodies[k], places = frames.joints[k], numbers = frames.numbers[k];
     bodies.forEach((body, n) => body.setAttribute("transform", `translate(${pose[3 * n]} ${pose[3 * n + 1]}) rotate(${pose[3 * n + 2]})`));
+    outlines.forEach(line => line.setAttribute("transform", `rotate(${pose[3 * line.dataset.body + 2]})`));
     pins.forEach((pin, n) => {
       const [x, y, u, v] = places.slice(4 * n, 4 * n + 4), arrow = pin.querySelector("line");
       pin.setAttribute("transform", `translate(${x} ${y})`);
