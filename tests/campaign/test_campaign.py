@@ -120,7 +120,7 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
         "engine": "dae",
         "wear_updates": 1,
         "cycles": 1,
-        "purpose": "trajectory",
+        "purpose": "wear",
     } | settings
     return {
         "one": pw.scenes.wear_times(**common),

@@ -45,10 +45,13 @@ def cycle_rows(seed: int, force: Mapping[str, float]) -> Array:
     return np.column_stack(list(columns.values()))
 
 
+scene_of = cache(base_scene)
+
+
 @cache
 def ideal_series(setting: str) -> dict[str, Array]:
     """Return the ideal motion of the slider in a setting."""
-    scene = base_scene(setting)
+    scene = scene_of(setting)
     time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
     return {"time": time, "slider": scene.ideal_slider(time)}
 
@@ -105,7 +108,7 @@ def result(
     **changes: Any,
 ) -> pw.Result:
     """Return a result of some stages of a setting; a failed one ends in its last stage."""
-    scene = replace(base_scene(setting), **changes)
+    scene = replace(scene_of(setting), **changes)
     for before, after in pairwise(stages):
         for name in [
             f"{joint}_{{}}_{side}" for joint in JOINTS for side in ("bearing", "pin")
@@ -142,7 +145,7 @@ def every_result() -> dict[str, pw.Result]:
     results = {}
     for seed, (name, case) in enumerate(CASES.items()):
         for setting in case.settings:
-            last = min(base_scene(setting).wear_updates, case.wear_updates)
+            last = min(scene_of(setting).wear_updates, case.wear_updates)
             seeds = range(100 * seed + 1, 100 * seed + 99, 10)
             force = [EVEN] * case.replicates
             stages = [stage(setting, k, seeds[k], force) for k in range(last + 1)]

@@ -194,7 +194,9 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
     assert {each.fracture for each in strokes} <= set(moments.fracture[:, 0])
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+@pytest.mark.parametrize(
+    "engine", ["dae", pytest.param("exudyn-tree", marks=pytest.mark.slow)]
+)
 def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(
     engine,
 ):
