@@ -45,6 +45,7 @@ def requested_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def _exponent(scene: Scene, cycles: int, console: Console) -> int:
+    """Print the largest Lyapunov exponent of a scene."""
     from presswear.analysis.lyapunov import largest_exponent
     from presswear.campaign.replicates import start_of
 
@@ -61,6 +62,7 @@ def _exponent(scene: Scene, cycles: int, console: Console) -> int:
 
 
 def _diagram(scene: Scene, arguments: argparse.Namespace, console: Console) -> int:
+    """Compute a bifurcation diagram, or resume it, and draw it."""
     from presswear.analysis.bifurcation import DIRECTIONS, Cycles, Parameter, compute
     from presswear.campaign.replicates import start_of
     from presswear.show.figures import save

@@ -44,7 +44,7 @@ def parse_settings(items: Iterable[str]) -> dict[str, str]:
     """Return the values of ``--set KEY=VALUE`` options by key."""
     settings: dict[str, str] = {}
     for item in items:
-        key, equals, value = (part.strip() for part in item.partition("="))
+        key, equals, value = map(str.strip, item.partition("="))
         if not equals:
             raise InputError(f"--set {item}: expected KEY=VALUE")
         if key in settings:
@@ -58,7 +58,8 @@ def load_scene(name: str) -> Scene:
     if (Path(name) / "result.json").exists():
         from presswear.results.result import stored_scene
 
-        return stored_scene(Path(name))[0]
+        scene, *_ = stored_scene(Path(name))
+        return scene
     if name.endswith(SUFFIX):
         return scene_from(Path(name))
     if name.endswith(".py"):
@@ -170,9 +171,8 @@ def resumable(command: str, path: Path, stored: Callable[[], str]) -> Iterator[N
     except KernelError:
         raise
     except RunFailed as error:
-        raise RunFailed(
-            f"{error}; {command}" if path.exists() else f"{error}"
-        ) from error
+        message = f"{error}; {command}" if path.exists() else f"{error}"
+        raise RunFailed(message) from error
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
@@ -201,21 +201,22 @@ def names_in(text: str) -> list[str]:
 
 
 def print_lines(console: Console, *lines: str) -> None:
-    """Print lines without colours or markup; a terminal that is too narrow gets them in parts.
+    """Print lines without colours or markup; they wrap in a terminal.
 
     Texts of a result may come from anybody: control characters are printed as escapes.
     """
     for line in map(printable, lines):
         indent = line[: len(line) - len(line.lstrip())] + "  "
-        parts = textwrap.wrap(
+        wrapped = textwrap.wrap(
             line,
             console.width,
             subsequent_indent=indent,
             break_long_words=False,
             break_on_hyphens=False,
         )
-        for part in parts if console.is_terminal else [line]:
-            console.print(part, highlight=False, markup=False, soft_wrap=True)
+        printed = wrapped if console.is_terminal else [line]
+        for text in printed:
+            console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def print_table(
@@ -235,9 +236,9 @@ def print_table(
         else:
             table.add_column(head, overflow="fold")
     for row in rows:
-        cells = (
-            Text(printable(cell)) if isinstance(cell, str) else cell for cell in row
-        )
+        cells = []
+        for cell in row:
+            cells.append(Text(printable(cell)) if isinstance(cell, str) else cell)
         table.add_row(*cells)
     console.print(table, highlight=False)
 

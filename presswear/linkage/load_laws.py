@@ -77,8 +77,8 @@ class OverTime(Checked):
 
     def check_period(self, name: str, period: float) -> None:
         """Raise InputError unless the table fits into a period, s."""
-        first = self.table[0][0]
-        last = self.table[-1][0]
+        first, _ = self.table[0]
+        last, _ = self.table[-1]
         if period > 0.0 and not (first >= 0.0 and last <= period):
             allowed = f"with a {name} of {period:g} s allowed is 0 to {period:g} s"
             raise InputError(f"table: from {first:g} to {last:g} s; {allowed}")
@@ -183,7 +183,9 @@ class OverPosition(Checked):
             raise InputError(f"table: {fault}; with unloading allowed is 0")
         # Rises of the resistance with the depth. With sense = along the force is negative;
         # with sense = against the depth grows against the position.
-        slopes = [(a[1] - b[1]) / (b[0] - a[0]) for a, b in pairwise(self.table)]
+        slopes = []
+        for (place, size), (next_place, next_size) in pairwise(self.table):
+            slopes.append((size - next_size) / (next_place - place))
         steepest = max(slopes, default=0.0)
         if self.unloading < (1.0 - SLOPE_TOL) * steepest:
             raise InputError(
@@ -196,10 +198,11 @@ def _check_rising(table: Table) -> None:
     """Raise InputError unless the first column of a table rises."""
     if not table:
         raise InputError("table: one row or more is expected")
-    least = MIN_GAP * (max(row[0] for row in table) - min(row[0] for row in table))
-    for k, (before, row) in enumerate(pairwise(table), start=1):
-        if not row[0] - before[0] > least:
-            fault = f"{row[0]:g} does not lie above {before[0]:g}, the row before it"
+    places = [place for place, _ in table]
+    least = MIN_GAP * (max(places) - min(places))
+    for k, (previous, place) in enumerate(pairwise(places), start=1):
+        if not place - previous > least:
+            fault = f"{place:g} does not lie above {previous:g}, the row before it"
             raise InputError(
                 f"table[{k}]: {fault}, by a millionth of the table's length"
             )

@@ -138,41 +138,46 @@ def surfaces(
 
 def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | None:
     """Draw the depth of pin and bearing together over the angle, with the printed deepest wear."""
-    worn = [
-        line
-        for line in lines
-        if line.wear_updates and evidence.worn_run(BASE, line.at("A"))
-    ]
+    with_wear = [line for line in lines if line.wear_updates > 0]
+    worn = [line for line in with_wear if evidence.worn_run(BASE, line.at("A"))]
     if not worn:
         return None
     joints = [joint for joint in JOINTS if evidence.wear_map(BASE, worn[0].at(joint))]
     sheet, grid = panels(len(joints), 1, 0.8 + 2.5 * len(joints))
     for (axes,), joint in zip(grid, joints, strict=True):
         _draw_depths(axes, evidence, worn, joint)
-        for figure, where, arcs in RANGES:
-            if (figure[:-1], where) == (str(number), joint):
-                for arc in arcs:
-                    height = axes.get_xaxis_transform()
-                    axes.plot(
-                        np.degrees(arc),
-                        (0.98, 0.98),
-                        color="0.7",
-                        lw=4.0,
-                        transform=height,
-                    )
-        axes.set(
-            xlabel="direction of contact (degrees)", ylabel="depth, bearing + pin (µm)"
-        )
+        for arc in _printed_arcs(number, joint):
+            axes.plot(
+                np.degrees(arc),
+                (0.98, 0.98),
+                color="0.7",
+                lw=4.0,
+                transform=axes.get_xaxis_transform(),
+            )
+        axes.set_xlabel("direction of contact (degrees)")
+        axes.set_ylabel("depth, bearing + pin (µm)")
         axes.set_title(f"joint {joint}")
     sheet.legend(
         handles=[line.pen.handle() for line in worn],
         loc="outside upper center",
         ncols=3,
     )
-    printed = [entry for entry in PRINTED if entry.figure[:-1] == f"{number}"]
+    printed = [entry for entry in PRINTED if _number_of(entry.figure) == number]
     doubts = dict.fromkeys(entry.misprint for entry in printed if entry.misprint)
     caption = CAPTIONS["depths"] + "".join(f" In print: {doubt}." for doubt in doubts)
     return Drawing(f"fig-{number:02d}.png", f"Fig. {number} Wear depth", caption, sheet)
+
+
+def _number_of(figure: str) -> int:
+    """Return the number of a printed figure such as ``8a``."""
+    return int(figure[:-1])
+
+
+def _printed_arcs(number: int, joint: str) -> Iterator[tuple[float, float]]:
+    """Yield the arcs in which a joint is mainly worn by a printed figure, rad."""
+    for figure, joint_of_figure, arcs in RANGES:
+        if _number_of(figure) == number and joint_of_figure == joint:
+            yield from arcs
 
 
 def _draw_depths(
@@ -230,7 +235,7 @@ def _draw_peak(axes: Axes, height: int, colour: str, measured: Measured) -> None
     if measured.single_cycles is not None:
         low, high = measured.single_cycles
         axes.barh(height, high - low, 0.62, low, color=colour, alpha=0.25)
-    if estimate.low is not None:
+    if estimate.low is not None and estimate.high is not None:
         interval = (estimate.low, estimate.high)
         axes.plot(interval, (height, height), color=colour, linewidth=1.8)
     axes.plot(

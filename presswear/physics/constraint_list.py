@@ -16,9 +16,10 @@ class Row(NamedTuple):
     first: Attachment
     second: Attachment
     direction: tuple[float, float] = (0.0, 0.0)
-    turn: float = 0.0  # 1: angle of the first body less that of the second
+    # 1: the row is the angle of the first body less ``ratio`` times that of the second
+    turn: float = 0.0
     target: float = 0.0  # value that is held, m or rad
-    ratio: float = 1.0  # times which the angle of the second body is subtracted
+    ratio: float = 1.0
     is_turning: bool = False  # the direction turns with the second body
     is_following: bool = False  # the first point follows the curve of a drive
 
@@ -42,6 +43,7 @@ def rows_of(linkage: Linkage) -> list[Row]:
 
 
 def _rows_of_pin(joint: Revolute) -> list[Row]:
+    """Return the rows of the distance of both ends along x and along y."""
     return [
         Row(joint.name, joint.first, joint.second, (1.0, 0.0)),
         Row(joint.name, joint.first, joint.second, (0.0, 1.0)),
@@ -69,7 +71,7 @@ def _row_of_drive(linkage: Linkage, drive: Drive) -> Row:
     frame = Attachment(GROUND, 0.0, 0.0)
     if drive.follow is not None:
         output = drive.follow.point
-        assert isinstance(output, OutputPoint), "assemble has made it one"
+        assert isinstance(output, OutputPoint), "assemble converts names of points"
         along = math.cos(output.direction), math.sin(output.direction)
         return Row(drive.name, output.attachment, frame, along, is_following=True)
     if isinstance(drive, LinearDrive):

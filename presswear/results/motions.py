@@ -1,4 +1,4 @@
-"""Sentences on the motions that the replicates of a stage came to."""
+"""Sentences on the motions on which the replicates of a stage settled."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ SETTLE_ADVICE = (
 
 
 def sentence_of(settling: Settling) -> str:
-    """Return what the replicates came to in one sentence, without a full stop."""
+    """Return on which motions the replicates settled, in a sentence without a full stop."""
     return _SENTENCES[settling.verdict](settling)
 
 
@@ -111,11 +111,11 @@ def _irregular(settling: Settling) -> str:
     irregular = [motion for motion in settling.motions if motion.period is None]
     peak = f" (peak force {peak_force(irregular[0])})" if irregular else ""
     text = f"irregular motion{peak} lasts"
-    life = settling.half_life
-    if life is None or life.low is None or life.high is None:
+    half_life = settling.half_life
+    if half_life is None or half_life.low is None or half_life.high is None:
         return f"{text} an unknown time"
-    interval = f"{readable(life.low, 2)} to {readable(life.high, 2)}"
-    return f"{text} {readable(life.mean, 2)} strokes at the median ({interval})"
+    interval = f"{readable(half_life.low, 2)} to {readable(half_life.high, 2)}"
+    return f"{text} {readable(half_life.mean, 2)} strokes at the median ({interval})"
 
 
 _SENTENCES: dict[str, Callable[[Settling], str]] = {

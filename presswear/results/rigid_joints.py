@@ -27,8 +27,8 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import RunFailed
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
-_PIECES = 720  # equal parts of a cycle, over which torques are integrated
-# parts of the cycle before, through which the laws of loads follow the motion
+_PIECES = 720  # equal pieces of a cycle, over which torques are integrated
+# Pieces of the previous cycle, through which the laws of loads follow the motion
 _PIECES_BEFORE = 90
 
 
@@ -62,8 +62,9 @@ def ideal_drives(scene: Scene, rubs: bool = False) -> dict[str, DriveDuty]:
     the motion.
     """
     curves, weights = ideal_curves(scene, rubs)
-    numbers = {
-        body: {
+    numbers = {}
+    for body, curve in curves.items():
+        numbers[body] = {
             "torque_integral": float(weights @ curve.torque),
             "torque_square_integral": float(weights @ curve.torque**2),
             "power_square_integral": float(weights @ curve.power**2),
@@ -72,8 +73,6 @@ def ideal_drives(scene: Scene, rubs: bool = False) -> dict[str, DriveDuty]:
             "torque_peak": farthest_from_zero(curve.torque),
             "power_peak": farthest_from_zero(curve.power),
         }
-        for body, curve in curves.items()
-    }
     return duties_of(numbers, float(weights.sum()))
 
 
@@ -88,19 +87,19 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     ideal = scene.ideal
     time, is_last = _two_cycles(scene)
     components = constraint_forces(linkage, ideal, time)[is_last]
-    pins = enumerate(linkage.revolutes)  # each has two columns, x and y
-    return time[is_last], {
-        pin.name: components[:, 2 * k] + 1j * components[:, 2 * k + 1]
-        for k, pin in pins
-    }
+    forces = {}
+    for k, pin in enumerate(linkage.revolutes):  # each has two columns, x and y
+        forces[pin.name] = components[:, 2 * k] + 1j * components[:, 2 * k + 1]
+    return time[is_last], forces
 
 
 def static_torques(scene: Scene) -> dict[str, float]:
     """Return the greatest torque of each drive under the work alone by its body, N m.
 
-    Of a drive along a guide it is a force, N. By virtual work it is the force of the work
-    times the way of the output for a small motion of this drive alone: joints are rigid
-    and without friction, weight and inertia. Empty without a process.
+    For a drive along a guide it is a force, N. It follows from virtual work, with rigid
+    joints and without friction, weight and inertia: the force of the work times the
+    displacement of the output in a small motion of this drive alone. Empty without a
+    process.
     """
     if scene.process is None:
         return {}
@@ -147,11 +146,10 @@ def ideal_curves(
     bushings = rubbing_joints(scene) if rubs else ()
     start = scene.run_up
     period = scene.mechanism.period
-    # The laws of loads follow the motion through the cycle before.
-    before, cycle = (
-        np.linspace(0.0, period, count + 1) for count in (_PIECES_BEFORE, _PIECES)
-    )
-    edges = start + np.concatenate([before, period + cycle[1:]])
+    # The laws of loads follow the motion through the previous cycle.
+    previous_cycle = np.linspace(0.0, period, _PIECES_BEFORE + 1)
+    cycle = np.linspace(0.0, period, _PIECES + 1)
+    edges = start + np.concatenate([previous_cycle, period + cycle[1:]])
     corners = load_corners(scene.loaded, scene.ideal, edges)
     if bushings:
         turns = friction_corners(scene.loaded, scene.ideal, edges, bushings)
@@ -160,7 +158,8 @@ def ideal_curves(
     # Supplied and returned energy have a kink where the power of a drive changes its
     # sign. An error of its place counts by its square.
     for curve in _curves_at(scene, edges, bushings).values():
-        time, power = curve.time, curve.power
+        time = curve.time
+        power = curve.power
         k = np.flatnonzero(power[1:] * power[:-1] < 0.0)
         zeros = time[k] - power[k] * np.diff(time)[k] / np.diff(power)[k]
         edges = np.union1d(edges, zeros)
@@ -184,10 +183,9 @@ def _integrated(
     time = time[order]
     weights = weights[order]
     is_last = time > edges[-1] - scene.mechanism.period
-    last_cycle = {
-        body: DriveCurve(*(values[is_last] for values in curve))
-        for body, curve in _curves_at(scene, time, bushings).items()
-    }
+    last_cycle = {}
+    for body, curve in _curves_at(scene, time, bushings).items():
+        last_cycle[body] = DriveCurve(*(values[is_last] for values in curve))
     return last_cycle, weights[is_last]
 
 

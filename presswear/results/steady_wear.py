@@ -1,8 +1,8 @@
 """Wear of running-in and steady wear rate of a joint, from readings alone.
 
-Wear that runs in is parallel to steady wear in the end, h = a + r N: ``a`` is the wear
-of running-in and ``r`` the steady rate. The line needs no computed shape. The exponent
-of the course shows whether the readings follow the computed one.
+After running-in the wear h grows linearly with the number N of strokes, h = a + r N:
+``a`` is the wear of running-in and ``r`` the steady rate. The line needs no computed
+course. The exponent of the course shows whether the readings follow the computed course.
 """
 
 import math
@@ -17,6 +17,11 @@ from presswear.tools.arrays import Array
 # Readings after some strokes from which a line or an exponent has an error
 LEAST_READINGS = 3
 _DOUBT = 0.01  # probability below which readings and shape disagree
+# Lower and upper bounds of ln f and of m, see ``course_exponent``: far beyond any readings
+_BOUNDS = ([-30.0, 0.05], [30.0, 20.0])
+_LOGARITHM_GUESS = 29.0  # largest absolute first guess of ln f, inside the bounds
+_SINGULAR = 1e12  # condition number above which readings do not determine an exponent
+_ROUND_OFF = 1e-6  # of an exponent
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,7 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
         variance = max(variance, 1.0)
         student = quantile(math.inf)
     covariance = np.asarray(student**2 * variance * inverse, dtype=float)
-    halves = np.sqrt(np.diag(covariance))
+    intercept_half, slope_half = np.sqrt(np.diag(covariance)).tolist()
     life = None
     if slope > 0.0 and not math.isinf(limit):
         remaining = float(limit - new - intercept)
@@ -76,8 +81,8 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
         value = scale * remaining / float(slope)
         life = Estimate(value, scale * low, scale * high, count)
     return SteadyWear(
-        Estimate.symmetric(float(intercept), float(halves[0]), count),
-        Estimate.symmetric(float(slope) / scale, float(halves[1]) / scale, count),
+        Estimate.symmetric(float(intercept), intercept_half, count),
+        Estimate.symmetric(float(slope) / scale, slope_half / scale, count),
         life,
     )
 
@@ -125,19 +130,19 @@ def course_exponent(shape: Shape, observed: Observed) -> CourseExponent | None:
             new = float((observed.values - growth) @ roots**2 / (roots @ roots))
         return np.asarray(roots * (observed.values - growth - new))
 
-    bounds = ([-30.0, 0.05], [30.0, 20.0])
-    guess = [float(np.clip(start, -29.0, 29.0)), 1.0]
-    fit = least_squares(residuals, guess, bounds=bounds, x_scale=[0.1, 0.1])
+    guess = [float(np.clip(start, -_LOGARITHM_GUESS, _LOGARITHM_GUESS)), 1.0]
+    fit = least_squares(residuals, guess, bounds=_BOUNDS, x_scale=[0.1, 0.1])
     information = fit.jac.T @ fit.jac
-    if np.linalg.cond(information) > 1e12:
+    if np.linalg.cond(information) > _SINGULAR:
         return None
     variance = 2.0 * float(fit.cost) / freedom
     if observed.errors is not None:
         freedom = math.inf
         variance = 1.0
-    error = math.sqrt(variance * float(np.linalg.inv(information)[1, 1]))
-    exponent = float(fit.x[1])
+    _, variance_of_exponent = np.diag(np.linalg.inv(information))
+    error = math.sqrt(variance * float(variance_of_exponent))
+    _, exponent = fit.x.tolist()
     doubt = float(stdtrit(freedom, 1.0 - 0.5 * _DOUBT)) * error
     value = Estimate.symmetric(exponent, quantile(freedom) * error)
     # Round-off of readings that are exact is no disagreement.
-    return CourseExponent(value, abs(exponent - 1.0) > doubt + 1e-6)
+    return CourseExponent(value, abs(exponent - 1.0) > doubt + _ROUND_OFF)

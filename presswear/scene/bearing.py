@@ -241,24 +241,11 @@ class Bearing(FrictionSettings, DryContact):
             object.__setattr__(self, "clearance", middle_of(fit, 2.0 * radius))
         super().__post_init__()
         self._check_clearance()
-        law = self.normal_law
-        friction_law = self.friction_law
-        if isinstance(law, str):
-            allowed = f"with normal_law = {law!r} allowed is"
-            least = DAMPINGS[law].least
-            damping = self.viscous_damping
-            if self.restitution < least:
-                raise InputError(
-                    f"restitution = {self.restitution:g}: {allowed} {least:g} to 1"
-                )
-            if damping > 0.0 and law != KELVIN_VOIGT:
-                raise InputError(
-                    f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m"
-                )
+        self._check_damping()
         self._check_friction_settings()
-        if not isinstance(friction_law, str) and self.friction == 0.0:
+        if not isinstance(self.friction_law, str) and self.friction == 0.0:
             raise InputError(
-                f"friction = 0: with friction_law = {friction_law} allowed is above 0"
+                f"friction = 0: with friction_law = {self.friction_law} allowed is above 0"
             )
         self._check_wear_law()
         if self.elasticity in ("liu", "foundation") and self.exponent != 1.5:
@@ -266,12 +253,25 @@ class Bearing(FrictionSettings, DryContact):
             raise InputError(f"exponent = {self.exponent:g}: {allowed}")
         # The difference of two speeds has a larger round-off than the speeds.
         if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
-            low, high, ramp = (
-                written(speed, "m/s")
-                for speed in (self.lower_speed, self.upper_speed, LEAST_RAMP)
-            )
-            allowed = f"0 to {ramp} below upper_speed, {high}"
+            low = written(self.lower_speed, "m/s")
+            high = written(self.upper_speed, "m/s")
+            allowed = f"0 to {written(LEAST_RAMP, 'm/s')} below upper_speed, {high}"
             raise InputError(f"lower_speed = {low}: allowed is {allowed}")
+
+    def _check_damping(self) -> None:
+        """Raise InputError for a restitution or a damping that the normal law refuses."""
+        law = self.normal_law
+        if not isinstance(law, str):
+            return
+        allowed = f"with normal_law = {law!r} allowed is"
+        least = DAMPINGS[law].least
+        damping = self.viscous_damping
+        if self.restitution < least:
+            raise InputError(
+                f"restitution = {self.restitution:g}: {allowed} {least:g} to 1"
+            )
+        if damping > 0.0 and law != KELVIN_VOIGT:
+            raise InputError(f"viscous_damping = {damping:g} N s/m: {allowed} 0 N s/m")
 
     def _check_clearance(self) -> None:
         """Raise InputError if the clearance is too small, or does not fit film or spring."""
@@ -320,8 +320,9 @@ class Bearing(FrictionSettings, DryContact):
         if self.wear_law == ARCHARD:
             return
         pair = self.materials
-        for key, default in (("running_in", 1.0), ("pressure_exponent", 1.0)):
-            if (value := getattr(pair, key)) != default:
+        for key in ("running_in", "pressure_exponent"):
+            value = getattr(pair, key)
+            if value != 1.0:
                 raise InputError(
                     f"{key} = {value:g}: with wear_law = {self.wear_law} allowed is 1"
                 )
@@ -370,6 +371,10 @@ class Bearing(FrictionSettings, DryContact):
                 f"the bearing; allowed is {MIN_FILM_WIDTH:g} to {MAX_FILM_WIDTH:g}, "
                 "or film = report"
             )
+        self._check_laws_with_film()
+
+    def _check_laws_with_film(self) -> None:
+        """Raise InputError for laws of contact and wear that an oil film does not allow."""
         if not isinstance(self.normal_law, str):
             raise InputError(
                 f"normal_law = {self.normal_law}: with film = run allowed is "
@@ -435,9 +440,8 @@ class Bearing(FrictionSettings, DryContact):
     @property
     def friction_parameters(self) -> FrictionLaw:
         """Friction law with its parameters."""
-        function = (
-            self.friction_law if isinstance(self.friction_law, UserFunction) else None
-        )
-        name = "ramp" if function else str(self.friction_law)
+        law = self.friction_law
+        function = law if isinstance(law, UserFunction) else None
+        name = "ramp" if function else str(law)
         ramp = self.friction, self.lower_speed, self.upper_speed
         return FrictionLaw(*ramp, name, function, friction_settings(name, self))

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.linkage.clearance_joint import SurfaceContact
 from presswear.linkage.guide_corner import WALL_BINS, WALLS
@@ -20,6 +21,8 @@ from presswear.tools.quantities import written
 Surfaces = Mapping[str, tuple[Any, Any]]
 """Bearing and pin by joint, left and right wall by guide; see ``Scene.surfaces``."""
 _TURN = 2.0 * math.pi
+_EQUAL_ANGLES = 1e-9  # largest difference of angles that count as equal, rad
+_ROUND_OFF = 1e-6  # relative error of a gap between two angles
 
 
 def initial_surfaces(
@@ -33,7 +36,7 @@ def initial_surfaces(
 
     ``joints`` have clearance, and ``guides`` are those of them whose walls have maps.
     """
-    by_name = {guide.name: guide for guide in guides}
+    guides_by_name = {guide.name: guide for guide in guides}
     if not isinstance(surfaces, Mapping):
         raise InputError(
             f"surfaces = {surfaces!r}: bearing and pin by joint are expected"
@@ -44,24 +47,28 @@ def initial_surfaces(
             raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
         if name not in joints:
             raise unknown("joint in surfaces", name, joints)
-        sides = WALLS if name in by_name else SIDES
+        guide = guides_by_name.get(name)
+        sides = SIDES if guide is None else WALLS
         if not isinstance(pair, tuple | list) or len(pair) != len(sides):
             raise InputError(
                 f"surfaces of {name}: a pair, {' and '.join(sides)}, is expected"
             )
-
-        def surface(where: str, value: Any, name: str = name) -> Surface:
-            if name in by_name:
-                return _wall(where, value, bearing(name), by_name[name])
-            return _surface(where, value, bearing(name), contact)
-
-        first, second = (
-            surface(f"{side} at {name}", value)
-            for side, value in zip(sides, pair, strict=True)
-        )
+        of_sides = []
+        for side, value in zip(sides, pair, strict=True):
+            where = f"{side} at {name}"
+            if guide is None:
+                of_sides.append(_surface(where, value, bearing(name), contact))
+            else:
+                of_sides.append(_wall(where, value, bearing(name), guide))
+        first, second = of_sides
         if first.is_worn or second.is_worn:
             result[name] = first, second
     return result
+
+
+def _first_true(condition: NDArray[np.bool_]) -> int | None:
+    """Return the index of the first true element; None if there is none."""
+    return int(condition.argmax()) if condition.any() else None
 
 
 def _surface(
@@ -74,13 +81,14 @@ def _surface(
     if not depth.any():
         return Surface()
     deepest = deepest_joint_wear(bearing, contact)
-    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
+    k = _first_true((depth < 0.0) | (depth > deepest))
+    if k is not None:
         place = f"depth {written(depth[k], 'm')} at {math.degrees(angle[k]):g} deg"
         allowed = f"allowed is 0 to {written(deepest, 'm')}"
         raise InputError(f"{where}: {place}: {allowed}")
     _check_angles(where, angle)
     bins = bin_centres(bearing.angles)
-    if angle.size == bins.size and np.allclose(angle, bins, 0.0, 1e-9):
+    if angle.size == bins.size and np.allclose(angle, bins, 0.0, _EQUAL_ANGLES):
         return Surface(depth)
     return Surface(_means_of_bins(angle, depth, bins.size))
 
@@ -94,7 +102,8 @@ def _wall(where: str, value: Any, bearing: Bearing, guide: Guide) -> Surface:
             f"{where}: {depth.size} depths; allowed are {WALL_BINS}, of equal bins along the wall"
         )
     deepest = deepest_wall(bearing, guide)
-    for k in np.flatnonzero((depth < 0.0) | (depth > deepest))[:1]:
+    k = _first_true((depth < 0.0) | (depth > deepest))
+    if k is not None:
         raise InputError(
             f"{where}: depth {written(depth[k], 'm')} in bin {k}: allowed is 0 to "
             f"{written(deepest, 'm')}"
@@ -159,11 +168,13 @@ def _check_angles(where: str, angle: Array) -> None:
     """
     widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
-    for k in np.flatnonzero(gaps < 1e-9)[:1]:
+    k = _first_true(gaps < _EQUAL_ANGLES)
+    if k is not None:
         raise InputError(
             f"{where}: the angle {math.degrees(angle[k]):g} deg occurs twice"
         )
-    for k in np.flatnonzero(gaps > widest * (1.0 + 1e-6))[:1]:
+    k = _first_true(gaps > widest * (1.0 + _ROUND_OFF))
+    if k is not None:
         low, high = np.degrees([angle[k], angle[k] + gaps[k]])
         gap = f"{angle.size} angles, none between {low:g} and {high:g} deg"
         raise InputError(

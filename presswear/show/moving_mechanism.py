@@ -31,12 +31,10 @@ FRAMES = 120  # pictures of a stroke
 MOST_JOINTS = 4  # enlarged joints: those with the largest forces of a stroke
 _WIDTH = 420.0  # greatest width of the mechanism, in units of the picture
 _HEIGHT = 340.0  # height of the picture
-# Radius of the circle of an enlarged bearing, part of the height that a joint has
+# Radius of the circle of an enlarged bearing, relative to the height of a joint
 _CIRCLE = 0.4
-_PIN = 0.55  # radius of an enlarged pin, part of that of the circle
-_ARROW = (
-    0.9  # length of the arrow of the largest force, part of the radius of the circle
-)
+_PIN = 0.55  # radius of an enlarged pin, relative to the radius of the circle
+_ARROW = 0.9  # length of the arrow of the largest force, relative to the same radius
 _LEAST_FORCE = 1e-300  # N, avoids a division by zero
 _INK = "#1a1a1a"
 _OUTLINE = 120  # points of the outline of a worn surface
@@ -61,11 +59,8 @@ class _Drawing(NamedTuple):
 
 def moving_mechanism(result: Result) -> MovingMechanism | None:
     """Return a stroke of the last stage as a picture that moves; None where none is recorded."""
-    stages = [
-        stage
-        for stage in result.stages
-        if stage.read_film and stage.time.size and not stage.failed
-    ]
+    sound = [stage for stage in result.stages if not stage.failed]
+    stages = [stage for stage in sound if stage.read_film and stage.time.size]
     if not stages:
         return None
     stage = stages[-1]
@@ -87,10 +82,11 @@ def moving_mechanism(result: Result) -> MovingMechanism | None:
     stage_name = result.stage_name(stage.index)
     text = f"One stroke of the stage “{stage_name}”; its control moves it."
     if joints:
-        shown = [linkage.clearances[k] for k in joints]
-        gaps = ", ".join(
-            f"{joint.name} {quantity_text(joint.clearance, 'm')}" for joint in shown
-        )
+        clearances = []
+        for k in joints:
+            joint = linkage.clearances[k]
+            clearances.append(f"{joint.name} {quantity_text(joint.clearance, 'm')}")
+        gaps = ", ".join(clearances)
         text += f" The dashed circles have the radius of the new clearance, much enlarged: {gaps}. "
         text += "Wear is enlarged as much. The dot is the centre of the pin. Red: force of the "
         text += "pin on its bearing; the length of the arrow grows as the square root of the force."

@@ -6,7 +6,6 @@ concerns one property of one joint.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +29,8 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import name_for
 from presswear.tools.numbers import large, percent, quantity_text, readable
 
-CLEARANCE_FACTOR = 0.5  # on the clearance of a joint
-SIZE_FACTOR = 1.25  # on radius and width of a bearing
+CLEARANCE_FACTOR = 0.5  # changed over present clearance of a joint
+SIZE_FACTOR = 1.25  # changed over present radius and width of a bearing
 LIFE = "life"
 FORCE = "peak force"
 BOTTOM = "error of bottom dead centre"
@@ -56,9 +55,12 @@ class Effect:
     is_better: bool  # whether the whole interval lies on the good side of one
 
     def __str__(self) -> str:
-        low, high = self.factor.low, self.factor.high
-        interval = "" if low is None or high is None else f" ({low:.2f} to {high:.2f})"
-        return f"{self.change}: {self.factor.mean:.2f}{interval}"
+        low = self.factor.low
+        high = self.factor.high
+        text = f"{self.change}: {self.factor.mean:.2f}"
+        if low is None or high is None:
+            return text
+        return f"{text} ({low:.2f} to {high:.2f})"
 
 
 @dataclass(frozen=True)
@@ -78,34 +80,36 @@ class Improvement:
     def sentences(self) -> list[str]:
         """A sentence for each quantity: the best change, or that none is certain."""
         lines = []
-        for key, items in self.effects.items():
-            best = next((item for item in items if item.is_better), None)
+        changes = list(self.failures)
+        for key, effects in self.effects.items():
+            changes += [effect.change for effect in effects]
+            best = next((effect for effect in effects if effect.is_better), None)
             if best is None:
                 lines.append(
                     f"{key}: no change of a single joint is certain to improve it"
                 )
             else:
                 lines.append(f"{key}: best is {best} times the present value")
-        tried = [item.change for items in self.effects.values() for item in items]
-        if not any("materials" in change for change in [*tried, *self.failures]):
+        if not any("materials" in change for change in changes):
             lines.append("materials: no listed pair wears less than the present one")
         return lines
 
     def draw(self) -> Drawing:
         """Draw the factors of the best changes as bars from 1, with their intervals."""
-        most = max(min(len(items), SHOWN) for items in self.effects.values())
-        height = len(self.effects) * (0.8 + BAR * most)
+        rows = max(min(len(effects), SHOWN) for effects in self.effects.values())
+        height = len(self.effects) * (0.8 + BAR * rows)
         with rc_context(SETTINGS):
             sheet, grid = style.panels(len(self.effects), 1, height)
-            for (axes,), (key, items) in zip(grid, self.effects.items(), strict=True):
-                _draw_factors(axes, items[:SHOWN])
+            for (axes,), key in zip(grid, self.effects, strict=True):
+                _draw_factors(axes, self.effects[key][:SHOWN])
                 axes.set_xlabel(self.heading(key))
             handles = [
                 Patch(color=CERTAIN_COLOUR, label="certain improvement"),
                 Patch(color=style.MUTED, label="no certain improvement"),
             ]
             sheet.legend(handles=handles, loc="outside upper center", ncols=2)
-            return style.finished("improve", sheet)[0]
+            (drawing,) = style.finished("improve", sheet)
+            return drawing
 
 
 def _draw_factors(axes: Axes, effects: list[Effect]) -> None:
@@ -194,15 +198,14 @@ def improve(
         results = run_scenes(named, folder, jobs=jobs, on_progress=on_progress)
         return dict(zip(scenes, results.values(), strict=True))
 
-    plain = run_all({PLAIN: scene})[PLAIN]
-    if plain.status == "failed":
-        raise RunFailed(f"the mechanism {PLAIN}: {plain.message}")
+    unchanged = run_all({PLAIN: scene})[PLAIN]
+    if unchanged.status == "failed":
+        raise RunFailed(f"the mechanism {PLAIN}: {unchanged.message}")
     # Every change is compared after the same strokes, however much the joints wear.
-    strokes = plain.stages[0].cycles_per_update
+    strokes = unchanged.stages[0].cycles_per_update
     scene = replace(scene, cycles_per_update=strokes)
-    results = run_all(
-        {change: changed(scene, values) for change, values in changes.items()}
-    )
+    scenes = {change: changed(scene, values) for change, values in changes.items()}
+    results = run_all(scenes)
     failures = {}
     quantities = {}
     for change, result in results.items():
@@ -210,7 +213,7 @@ def improve(
             failures[change] = result.message
         else:
             quantities[change] = _quantities(result)
-    present = _quantities(plain)
+    present = _quantities(unchanged)
     texts = {}
     for key, value in present.items():
         if text := _text_of(key, value.mean):
@@ -226,19 +229,24 @@ def _effects(
     for change, values in quantities.items():
         for key in effects.keys() & values.keys():
             effects[key].append(_effect(change, key, values[key], present[key]))
-    for key, items in effects.items():
+    for key in effects:
+        effects[key].sort(key=_rank, reverse=key == LIFE)
         # Factors without an interval are the last.
-        sign = -1.0 if key == LIFE else 1.0
-        items.sort(
-            key=lambda effect: (effect.factor.low is None, sign * effect.factor.mean)
-        )
+        effects[key].sort(key=lambda effect: effect.factor.low is None)
     return effects
+
+
+def _rank(effect: Effect) -> float:
+    """Return the factor of an effect, by which effects are sorted."""
+    return effect.factor.mean
 
 
 def _text_of(key: str, value: float) -> str:
     """Return a quantity in words; nothing for the wear rate, which stands for the life."""
-    if key in (FORCE, BOTTOM):
-        return quantity_text(value, "N" if key == FORCE else "m")
+    if key == FORCE:
+        return quantity_text(value, "N")
+    if key == BOTTOM:
+        return quantity_text(value, "m")
     if key == TILT:
         return f"{readable(1e6 * value)} µm/m"
     return "" if key == LIFE else percent(value)
@@ -260,13 +268,15 @@ def _quantities(result: Result) -> dict[str, Estimate]:
     forces += [tilt.corner_force for tilt in tilts if tilt.corner_force]
     frames = frame_loads(scene, stage).values()
     is_off_bottom = bottom is not None and abs(bottom.error.mean) > NEGLIGIBLE
+    working_tilts = [tilt.working for tilt in tilts if tilt.working]
+    reverse = [load.reverse_fraction for load in frames if load.reverse_fraction]
     quantities = {
         LIFE: greatest(_depths_per_stroke(result)),
         FORCE: greatest(forces),
         BOTTOM: bottom.error if bottom and is_off_bottom else None,
-        TILT: greatest(filter(None, (tilt.working for tilt in tilts))),
+        TILT: greatest(working_tilts),
         DROP: speed.drop if speed else None,
-        REVERSE: greatest(filter(None, (load.reverse_fraction for load in frames))),
+        REVERSE: greatest(reverse),
     }
     return {
         key: value
@@ -280,20 +290,20 @@ def _depths_per_stroke(result: Result) -> list[Estimate]:
     first = result.stages[0]
     statistics = first.statistics
     per_stroke = 1.0 / first.cycles_per_update
-    depths = [
-        peak.depth.scaled(per_stroke)
-        for name in result.scene.loose_pins
-        for side, peak in statistics.joints[name].wear_peaks.items()
-        if side != "both"
-    ]
-    walls = (sides.values() for sides in statistics.walls.values())
-    return depths + [wall.depth_per_cycle for wall in chain.from_iterable(walls)]
+    depths = []
+    for name in result.scene.loose_pins:
+        for side, peak in statistics.joints[name].wear_peaks.items():
+            if side != "both":
+                depths.append(peak.depth.scaled(per_stroke))
+    for walls in statistics.walls.values():
+        depths += [wall.depth_per_cycle for wall in walls.values()]
+    return depths
 
 
-def _effect(change: str, key: str, value: Estimate, plain: Estimate) -> Effect:
+def _effect(change: str, key: str, value: Estimate, present: Estimate) -> Effect:
     """Return the factor by which a change multiplies a quantity, and if that is an improvement."""
     if key == LIFE:  # inversely proportional to the depth of a stroke
-        factor = ratio(plain, value)
+        factor = ratio(present, value)
         return Effect(change, factor, factor.low is not None and factor.low > 1.0)
-    factor = ratio(value, plain)
+    factor = ratio(value, present)
     return Effect(change, factor, factor.high is not None and factor.high < 1.0)

@@ -1,8 +1,8 @@
 """Sensitivity of a response to the parameters of a sweep, and its chaotic variance.
 
 Replicates of a chaotic motion differ, which adds a variance that no parameter explains.
-It lowers first-order indices and raises total indices. Where replicates or the
-intervals of the runs tell how large it is, it is subtracted.
+It lowers first-order indices and raises total indices. If replicates or the intervals of
+the runs determine it, it is subtracted.
 """
 
 import math
@@ -71,7 +71,8 @@ def sensitivity(points: Points, kind: str) -> Sensitivity | None:
     size = {"saltelli": dimension + 2, "morris": dimension + 1}.get(kind, 1)
     blocks = np.arange(len(points.means)).reshape(-1, size)
     blocks = blocks[points.has_value[blocks].all(axis=1)]
-    if len(blocks) < (MIN_POINTS if size == 1 else MIN_BLOCKS):
+    least = MIN_POINTS if size == 1 else MIN_BLOCKS
+    if len(blocks) < least:
         return None
     if kind == "morris":
         return _elementary_effects(points, blocks.ravel())
@@ -104,15 +105,18 @@ def _elementary_effects(points: Points, rows: NDArray[np.int64]) -> Sensitivity:
     # range.
     jump = MORRIS_LEVELS / (2.0 * (MORRIS_LEVELS - 1.0))
     unknown = np.full(len(points.parameters), np.nan)
-    noise = float(points.noise[rows].mean())
+    variance = float(points.noise[rows].mean())
+    noise = math.nan
+    if variance > 0.0:
+        # Mean of the absolute difference of two normal values with this variance
+        noise = math.sqrt(4.0 / math.pi * variance)
     return Sensitivity(
         title="Elementary effects of a jump by half of the range",
         method="Morris 1991; Campolongo, Cariboni and Saltelli 2007",
         names=("mean of the absolute effects", "standard deviation of the effects"),
         values=jump * np.array([effects["mu_star"], effects["sigma"]], float),
         half_widths=jump * np.array([effects["mu_star_conf"], unknown], float),
-        # Mean of the absolute difference of two normal values with this variance
-        noise=math.sqrt(4.0 / math.pi * noise) if noise > 0.0 else math.nan,
+        noise=noise,
     )
 
 
@@ -165,10 +169,14 @@ def _changes(points: Points) -> Sensitivity | None:
                 row = rows[pick(column[rows])]
                 values[side, k] = points.means[row] - points.means[0]
                 variances[side, k] = points.noise[row] + points.noise[0]
-    halves = points.quantile * np.sqrt(variances)
+    half_widths = points.quantile * np.sqrt(variances)
     names = ("change at the lowest value", "change at the highest value")
     return Sensitivity(
-        "One parameter at a time", "change from the middle", names, values, halves
+        title="One parameter at a time",
+        method="change from the middle",
+        names=names,
+        values=values,
+        half_widths=half_widths,
     )
 
 

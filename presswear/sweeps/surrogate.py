@@ -48,23 +48,24 @@ class Surrogate:
         the columns.
         """
         unit = design("sobol", SPREAD_POINTS, len(distributions), seed=1)
-        points = np.column_stack(
-            [item.ppf(unit[:, k]) for k, item in enumerate(distributions)]
-        )
+        columns = zip(distributions, unit.T, strict=True)
+        values = [distribution.ppf(column) for distribution, column in columns]
+        points = np.column_stack(values)
         scaled = _scaled(self.points, points)
         draws = self.process.sample_y(scaled, SPREAD_DRAWS, random_state=1)
         draws = draws + self._single_runs(draws.shape)
-        values = np.exp(draws) if self.is_logarithmic else draws
-        quantiles = np.quantile(values, PROBABILITIES, axis=0)
-        low, median, high = np.quantile(quantiles, (ENDS[0], 0.5, ENDS[1]), axis=1)
+        responses = np.exp(draws) if self.is_logarithmic else draws
+        quantiles = np.quantile(responses, PROBABILITIES, axis=0)
+        median, low, high = np.quantile(quantiles, (0.5, *ENDS), axis=1)
         violation = None
         if limit is not None:
-            parts = limit.violated(values).mean(axis=0)
-            violation = tuple(np.quantile(parts, (0.5, *ENDS)).tolist())
+            # Fraction of violations in each draw
+            fractions = limit.violated(responses).mean(axis=0)
+            violation = tuple(np.quantile(fractions, (0.5, *ENDS)).tolist())
         return Spread("by the surrogate", median, low, high, violation)
 
     def _single_runs(self, shape: tuple[int, ...]) -> Array:
-        """Return what single runs add to draws of the process, which has the noise of means."""
+        """Return the scatter of single runs, which draws of the process of means lack."""
         points = self.points
         variance = float((points.variances - points.noise).mean())
         if variance <= 0.0:
@@ -72,13 +73,13 @@ class Surrogate:
         shift = 0.0
         if self.is_logarithmic:
             variance /= float(np.mean(points.means**2))
-            # the logarithm of a mean is above the mean logarithm
+            # The logarithm of a mean is above the mean logarithm.
             shift = -0.5 * variance
         generator = np.random.default_rng(1)
         # The variance of single runs is an estimate, too: each draw has its own.
-        scale = np.sqrt(
-            variance * points.freedom / generator.chisquare(points.freedom, shape[1])
-        )
+        _, draws = shape
+        chi_square = generator.chisquare(points.freedom, draws)
+        scale = np.sqrt(variance * points.freedom / chi_square)
         return np.asarray(shift + scale * generator.standard_normal(shape))
 
     def outside(self, distributions: Sequence[Distribution]) -> str:
@@ -158,9 +159,9 @@ def fit(points: Points) -> Surrogate:
     noise = float(points.noise.mean() / points.means.var(ddof=1))
     needed = max(MIN_EXPLAINED * (1.0 - min(noise, 1.0)), MIN_EXPLAINED_TOTAL)
     if explained < needed:
-        part = f"{100.0 * max(explained, 0.0):.0f} % of the variance"
+        share = f"{100.0 * max(explained, 0.0):.0f} % of the variance"
         raise InputError(
-            f"no surrogate of {name}: in cross-validation it explains {part}; "
+            f"no surrogate of {name}: in cross-validation it explains {share}; "
             f"it needs {100.0 * needed:.0f} %"
         )
     return Surrogate(points, process, logarithmic)

@@ -27,13 +27,15 @@ _FILE = files("presswear.validation").joinpath("reference_problems.toml")
 _ANDREWS = tomllib.loads(_FILE.read_text("utf-8"))["andrews"]
 ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
 ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
-ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # s, of Exudyn
+ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # steps of Exudyn, s
 # Tolerance of Exudyn on smooth motion; 1e-9 and above hide the order of the integrator
 NEWTON = 1e-12
-# Angles of the seven bodies from the seven angles of the reference.
+# Angles of the bodies K1 to K7 from the seven angles of the reference, beta, Theta, gamma,
+# Phi, delta, Omega, epsilon: the angles of K2, K4 and K6 are sums of two of them.
 _TURNS: Array = np.eye(7)
-_TURNS[[1, 3, 5], [0, 4, 6]] = 1.0
-_TURNS[1, 1] = 1.0
+_TURNS[1, 0] = 1.0  # K2: beta + Theta
+_TURNS[3, 4] = 1.0  # K4: Phi + delta
+_TURNS[5, 6] = 1.0  # K6: Omega + epsilon
 
 
 def andrews() -> Linkage:
@@ -46,15 +48,17 @@ def andrews() -> Linkage:
         return Attachment(body, *pins[name])
 
     ends = pin(spring["body"], spring["pin"]), Attachment(GROUND, *spring["frame"])
+    joints = []
+    for name, first, second in _ANDREWS["joints"]:
+        point = name[0]  # the joints at a point have its name with a number
+        joints.append(Revolute(name, pin(first, point), pin(second, point)))
     return assemble(
         name="Andrews' squeezer",
-        bodies=tuple(
-            Body(k, bodies[k]["mass"], bodies[k]["inertia"]) for k in sorted(bodies)
-        ),
-        joints=tuple(
-            Revolute(name, pin(first, name[0]), pin(second, name[0]))
-            for name, first, second in _ANDREWS["joints"]
-        ),
+        bodies=[
+            Body(name, bodies[name]["mass"], bodies[name]["inertia"])
+            for name in sorted(bodies)
+        ],
+        joints=joints,
         output=OutputPoint("K3", 0.0),
         gravity=0.0,
         springs=(Spring("spring", *ends, spring["stiffness"], spring["length"]),),
@@ -71,13 +75,13 @@ def andrews_start() -> Start:
         i = int(body[1]) - 1
         c = math.cos(angles[i])
         s = math.sin(angles[i])
-        pin_offsets = {
-            k: np.array([c * x - s * y, s * x + c * y])
-            for k, (x, y) in data["pins"].items()
-        }
-        first = next(iter(pin_offsets))
+        pin_offsets = {}  # pins relative to the mass centre, m
+        for name, (x, y) in data["pins"].items():
+            pin_offsets[name] = np.array([c * x - s * y, s * x + c * y])
+        first = next(iter(pin_offsets))  # a pin whose place is known
         centre = places[first] - pin_offsets[first]
-        places = {name: centre + point for name, point in pin_offsets.items()} | places
+        for name, offset in pin_offsets.items():
+            places.setdefault(name, centre + offset)
         position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
     return Start(position, np.zeros(21))
 

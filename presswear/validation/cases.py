@@ -75,7 +75,8 @@ def outcomes(case: Case) -> Iterator[Outcome]:
 def finished(run: Run, name: str = "") -> Run:
     """Return a run; RunFailed, prefixed with a name, if it failed."""
     if run.status == "failed":
-        raise RunFailed(f"{name}: {run.message}" if name else run.message)
+        message = f"{name}: {run.message}" if name else run.message
+        raise RunFailed(message)
     return run
 
 
@@ -105,7 +106,8 @@ def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
     """
     if len(set(steps)) < 2 or not (np.all(np.isfinite(errors)) and min(errors) > 0.0):
         return math.nan
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+    slope, _ = np.polyfit(np.log(steps), np.log(errors), 1)
+    return float(slope)
 
 
 def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Plan:
@@ -115,21 +117,21 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
     """
     started: float | None = None
 
-    def report(part: float, recorder: object) -> None:
+    def report(fraction: float, recorder: object) -> None:
         nonlocal started
         now = clock.process_time()
         started = now if started is None else started
         if now - started > patience:
             raise RunFailed(
-                f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %"
+                f"stopped after {patience:g} s of CPU time at {100.0 * fraction:.3g} %"
             )
 
     return Plan(duration, cycles, recorded_cycles=1, report=report)
 
 
 def part_of(report: Progress, start: float, size: float, prefix: str = "") -> Progress:
-    """Return the progress of a part of a whole that starts at a fraction and has a size."""
-    return lambda name, part: report(prefix + name, start + size * part)
+    """Return the progress of a part of the work; start and size of the part are fractions."""
+    return lambda name, fraction: report(prefix + name, start + size * fraction)
 
 
 def worst_of(

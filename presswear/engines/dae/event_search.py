@@ -49,10 +49,13 @@ def search_event(
             return True
         if not state.is_located:
             return False
-    # The cubics may see events of two joints in the wrong order.
+    # The cubics may see events of two joints in the wrong order. Each event is searched
+    # once: three of each contact, the transitions of loads, the end of a section.
     contacts = run.system.contacts.shape[0]
     events = 3 * contacts + count_transitions(run.system.packed.loads)
-    if state.searches > events + (run.records.nominal[0].column >= 0):
+    if run.records.nominal[0].column >= 0:
+        events += 1
+    if state.searches > events:
         return False
     state.searches += 1
     earlier, fraction = first_event(
@@ -92,7 +95,7 @@ def move_towards_event(
             is_found = aim == 0.0 or value > 0.0
             if not is_found:
                 # Round-off keeps the step from ending just behind the event: longer
-                # ones are tried.
+                # steps are tried.
                 following = min(state.length + state.extension, state.high)
                 state.extension *= 4.0
                 state.is_last = following == state.high

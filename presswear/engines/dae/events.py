@@ -17,7 +17,7 @@ from presswear.physics.touchdown import (
     seen_from_opposite,
 )
 from presswear.recording.nominal_time import section_crossing, section_value
-from presswear.tools.compile import Records, compiled
+from presswear.tools.compile import Records, compiled, inlined
 from presswear.tools.packing import PackedArguments, unpack
 
 # Time after which an event is not the one on which the last step ended, s
@@ -82,14 +82,19 @@ def joint_value(address: PackedArguments, joint: int) -> tuple[float, float]:
     return -contact.penetration, -contact.rate
 
 
+@inlined
+def corner_of(corner: int) -> tuple[int, float]:
+    """Return joint and sense, 1 upwards and -1 downwards, of a corner of friction."""
+    return corner // 2, 1.0 if corner % 2 == 0 else -1.0
+
+
 @compiled
 def corner_value(
     address: PackedArguments, corner: int, h: float
 ) -> tuple[float, float]:
     """Return the sliding past a corner of friction, m/s, and its mean rate over the step."""
     (run,) = unpack(address)
-    joint = corner >> 1
-    sense = 1.0 - 2.0 * (corner & 1)
+    joint, sense = corner_of(corner)
     start = run.records.contacts[joint].sliding
     end = run.system.contacts[joint].sliding
     speed = corner_ahead(start, sense, run.system.packed.joints[joint].friction)
@@ -230,12 +235,11 @@ def first_of_corners(
     event = -1
     fraction = latest
     for k in range(2 * joints):
-        joint = k >> 1
+        joint, sense = corner_of(k)
         if records.onset[joint] <= 0.0 or first_corner + k == excluded:
             continue
         start = records.contacts[joint].sliding
         end = system.contacts[joint].sliding
-        sense = 1.0 - 2.0 * (k & 1)
         speed = corner_ahead(start, sense, system.packed.joints[joint].friction)
         to_corner = sense * (speed - start)
         to_end = sense * (end - start)

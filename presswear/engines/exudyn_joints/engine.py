@@ -4,9 +4,9 @@ Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, 
 clearance joints, springs and loads with a law are one ``ObjectGenericODE2`` over the
 nodes of their bodies: its Python user function returns the exact generalized forces on
 all of them. (A connector between two markers cannot: it applies equal and opposite
-moments, while pin and bearing have different radii.)  Bodies without freedom that only
-clearance joints hold on to are left out: their motion is prescribed, and the torques of
-their drives follow from the contact forces.
+moments, while pin and bearing have different radii.)  Bodies without freedom that have
+only clearance joints to other bodies are left out: their motion is prescribed, and the
+torques of their drives follow from the contact forces.
 
 Contact state changes only between accepted steps, in ``PostStep``; the user
 functions are pure.  The same call chooses the next step and writes it into the
@@ -15,11 +15,12 @@ running solver; ``PostNewton`` sends back a step that ran too far past a touchdo
 
 import time as clock
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
@@ -64,7 +65,7 @@ from presswear.tools.packing import pack_arguments
 
 exu = exudyn_module()
 
-# advice that makes a run finer
+# Advice that makes a run finer
 REMEDY = "more steps_per_contact, or engine = dae, may help"
 
 # With friction in rigid joints
@@ -93,11 +94,6 @@ def body_state_of(
     prescribed = pack_prescribed(linkage, omitted)
     begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
-    # Indices of the solved coordinates among all, if some are omitted
-    solved_indices: list[int] = []
-    for i, body in enumerate(linkage.bodies):
-        if omitted and body.name not in omitted:
-            solved_indices += range(3 * i, 3 * i + 3)
     q, v, a = solved
     if omitted:
         q = np.array(start.position)
@@ -113,7 +109,7 @@ def body_state_of(
         solved_q=solved_q,
         solved_v=solved_v,
         solved_a=solved_a,
-        solved_indices=np.array(solved_indices, np.int64),
+        solved_indices=_solved_indices(linkage, omitted),
         prescribed=prescribed,
         q=q,
         v=v,
@@ -132,7 +128,17 @@ def body_state_of(
     )
 
 
+def _solved_indices(linkage: Linkage, omitted: frozenset[str]) -> NDArray[np.int64]:
+    """Return the indices of the solved coordinates among all, if some are omitted."""
+    indices: list[int] = []
+    for i, body in enumerate(linkage.bodies):
+        if omitted and body.name not in omitted:
+            indices += range(3 * i, 3 * i + 3)
+    return np.array(indices, np.int64)
+
+
 def _settings(accuracy: ExudynJoints, longest: float, rubs: bool) -> Any:
+    """Return Exudyn's settings for a longest step, s, and for friction in rigid joints."""
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
     # Steps are chosen by accept_joint_step, so that Exudyn must not lengthen them.
@@ -193,7 +199,7 @@ def prepare(
         advance=model.advance,
         state=model.motion,
         ledger=model.ledger,
-        update_contacts=model.place,
+        update_contacts=model.update_contacts,
         arrays=model.arrays(),
         sums=model.solver.sums,
         diagnostics=model.diagnostics,
@@ -247,7 +253,7 @@ class _Joints:
             self.system, linkage, self.objects, multipliers, self.records.packed.mass
         )
         self.solver = self._prepare_solver(settings, plan, recorder)
-        self.place()
+        self.update_contacts()
         if linkage.rubbing_pins:
             packed = self.records.packed
             constraints = constraints_of(linkage).system(packed.mass)
@@ -292,6 +298,26 @@ class _Joints:
         longest = min(
             settings.longest(plan.cycle), spring_period(self.linkage) / SPRING_STEPS
         )
+        accept = self._bind_kernels(settings, longest)
+        solver = Solver(
+            recorder,
+            plan,
+            accept,
+            exu.DynamicSolverType.TrapezoidalIndex2,
+            _settings(settings, longest, rubs=bool(self.linkage.rubbing_pins)),
+            longest,
+            REMEDY,
+            {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
+        )
+        solver.install(self.system)
+        if self.joined or recorder.has_leader:
+            self.system.SetPostNewtonUserFunction(self.send_back)
+        return solver
+
+    def _bind_kernels(
+        self, settings: ExudynJoints, longest: float
+    ) -> Callable[[float], float]:
+        """Bind the kernels to this model; return the kernel of accepted steps."""
         steps = np.zeros(1, STEPS)
         steps["free"] = longest
         steps["least"] = settings.least_step
@@ -311,24 +337,10 @@ class _Joints:
             out,
         )
         run = specialised(run_task, packed, START, 0.0)
-        tasks = FORCES, START, ACCEPTED, SHORTER
-        self._fill, self._place, accept, self._shorter = (
-            partial(run, packed, task) for task in tasks
-        )
-        solver = Solver(
-            recorder,
-            plan,
-            accept,
-            exu.DynamicSolverType.TrapezoidalIndex2,
-            _settings(settings, longest, rubs=bool(self.linkage.rubbing_pins)),
-            longest,
-            REMEDY,
-            {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"},
-        )
-        solver.install(self.system)
-        if self.joined or recorder.has_leader:
-            self.system.SetPostNewtonUserFunction(self.send_back)
-        return solver
+        self._fill = partial(run, packed, FORCES)
+        self._place = partial(run, packed, START)
+        self._shorter = partial(run, packed, SHORTER)
+        return partial(run, packed, ACCEPTED)
 
     def connector_forces(self, system: Any, t: float, item: int, q: Any, v: Any) -> Any:
         """Return the forces on the bodies of the connector."""
@@ -373,7 +385,7 @@ class _Joints:
             refresh(body_state, self.solver.time)
         return self.solver.time, np.array(body_state.q), np.array(body_state.v)
 
-    def place(self) -> None:
+    def update_contacts(self) -> None:
         """Fill the contacts in the present state."""
         self._place(self.solver.time)
 
@@ -382,9 +394,9 @@ class _Joints:
         return Ledger.of(self.records.energies, self._stored() - self.stored_before)
 
     def _stored(self) -> float:
-        return stored_energy(
-            self.linkage, self.records.packed, self.energies, *self.motion()[1:]
-        )
+        """Return the stored energy, J."""
+        _, q, v = self.motion()
+        return stored_energy(self.linkage, self.records.packed, self.energies, q, v)
 
     def arrays(self) -> dict[str, Array]:
         """Return the live arrays that hold the state between two cycles."""
@@ -404,15 +416,15 @@ class _Joints:
         return {name: np.asarray(array) for name, array in arrays.items()}
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """Return sentences on the model and on its solver, counts and times."""
+        """Return texts on the model and on its solver, counts and times."""
         sums = self.solver.sums
-        words = f"{len(self.nodes)} bodies, {len(self.objects)} joints and drives"
+        model = f"{len(self.nodes)} bodies, {len(self.objects)} joints and drives"
         solver = "Exudyn trapezoidal index 2, step chosen by contact state"
         reason = branches_of(self.linkage)
         if isinstance(reason, str):
             solver = f"{solver}; no open tree, because {reason}"
         return {
-            "model": described(self.linkage, words, self.omitted),
+            "model": described(self.linkage, model, self.omitted),
             "solver": solver,
             "steps": int(sums["steps"]),
             "steps_sent_back": int(sums["sent_back"]),

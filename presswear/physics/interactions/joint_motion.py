@@ -117,10 +117,11 @@ class MotionText(JointText):
         return self.let("turning", rate)
 
     def _set_link(self, end: str, link: Link, arm: Vector) -> None:
+        """Set angle, angular velocity and lever of the body of an end."""
         self.fields[f"{end}_angle"] = link.angle
         self.fields[f"{end}_spin"] = link.omega
-        # The frame has no mass centre.
-        self.set_fields(f"{end}_lever", arm if link.index >= 0 else Vector())
+        is_frame = link.index < 0  # it has no mass centre
+        self.set_fields(f"{end}_lever", Vector() if is_frame else arm)
 
     def set_fields(self, name: str, vector: Vector) -> None:
         """Set the x and y fields of a vector."""

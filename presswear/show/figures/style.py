@@ -199,7 +199,7 @@ def panels(
     The height is in inches; ``sharing`` goes to ``Figure.subplots``. Sheets with colour
     bars, or with legends beside a panel, are laid out by measured texts.
     """
-    layout = "constrained" if is_measured else Margins()
+    layout: Any = "constrained" if is_measured else Margins()
     sheet = Sheet(figsize=(WIDTH, height), layout=layout)
     return sheet, sheet.subplots(rows, columns, squeeze=False, **sharing)
 
