@@ -7,9 +7,9 @@ visible.
 import math
 import re
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +37,7 @@ from presswear.recording.columns import (
     cycle_quantities,
     index_of,
 )
-from presswear.results.provenance import Provenance, provenance
+from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import setting_of
 from presswear.scene.settings import changed
@@ -251,7 +251,7 @@ class Diagram:
     parameter: Parameter
     cycles: Cycles
     branches: dict[str, Branch]  # by direction, "up" and "down"
-    provenance: Provenance = field(default_factory=dict)  # command, versions and date
+    provenance: Mapping[str, Any]  # command, versions and date
 
     def periods(self, direction: str) -> list[Periodicity | None]:
         """Return the period of the pin positions at each value; None where a run failed."""
@@ -339,8 +339,8 @@ class Diagram:
         sentences = []
         for direction, branch in self.branches.items():
             periods = self.periods(direction)
-            motions = [motion for motion in periods if motion and motion.period]
-            counts = Counter(motion.period for motion in motions)
+            cycles = [motion.period for motion in periods if motion and motion.period]
+            counts = Counter(cycles)
             listed = ", ".join(f"period {k} at {counts[k]}" for k in sorted(counts))
             sentence = (
                 f"{direction}: the motion is periodic at {counts.total()} of {len(periods)} values "

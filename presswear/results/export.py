@@ -214,8 +214,10 @@ def _write_matlab(file: BinaryIO, table: Table, units: Mapping[str, str]) -> Non
 
     names = {name: re.sub(r"\W", "_", name) for name in table}
     columns = {names[name]: values for name, values in table.items()}
-    columns["units"] = {names[name]: units[name] for name in table}
-    savemat(file, columns, oned_as="column", long_field_names=True)
+    unit_names = {names[name]: units[name] for name in table}
+    savemat(
+        file, {**columns, "units": unit_names}, oned_as="column", long_field_names=True
+    )
 
 
 def read_table(path: Path) -> dict[str, Array]:

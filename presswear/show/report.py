@@ -5,7 +5,7 @@ the files beside it.
 """
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from presswear.physics.dead_centre import bottom_of
 from presswear.results.folder import FINISHED, SCHEMA
 from presswear.results.life import span_of, words_of
 from presswear.results.oil_film import dry_contact
-from presswear.results.provenance import Provenance
 from presswear.results.result import Result
 from presswear.results.rigid_joints import (
     ideal_drives,
@@ -251,7 +250,7 @@ def first_screen(result: Result, missing: Sequence[str] = ()) -> page.FirstScree
     )
 
 
-def made_by(origin: Provenance) -> str:
+def made_by(origin: Mapping[str, Any]) -> str:
     """Return the command that started a run, the version of presswear and the date."""
     command = origin.get("command", "")
     version = origin["packages"]["presswear"]

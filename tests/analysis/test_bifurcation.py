@@ -11,6 +11,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
+from presswear.results.provenance import provenance
 from presswear.scene.settings import changed
 from presswear.show.figures.dynamics import draw_diagram
 
@@ -127,7 +128,9 @@ def test_a_failed_run_leaves_a_gap(monkeypatch, tmp_path):
     assert np.isnan(branch.pins).all()
     start = start_of(changed(SCENE, {"speed": 100.0}))
     assert_array_equal(branch.end[0], [start.position, start.velocity])
-    diagram = bifurcation.Diagram(SCENE, parameter, CYCLES, {"up": branch})
+    diagram = bifurcation.Diagram(
+        SCENE, parameter, CYCLES, {"up": branch}, provenance()
+    )
     assert diagram.periods("up") == [None]
     assert "1 runs failed" in diagram.summary()[0]
 
@@ -161,7 +164,9 @@ def test_unit_of_the_user_is_that_of_the_axis():
         ("clearance=1e-5:2e-5:3 m", "m", 1.0),
         ("B.friction=0:0.1:2", "", 1.0),
     ):
-        assert parse(text, SCENE).shown_values == (pytest.approx(factor), unit)
+        shown_factor, shown_unit = parse(text, SCENE).shown_values
+        assert shown_factor == pytest.approx(factor)
+        assert shown_unit == unit
 
 
 def test_numbers_of_each_cycle_are_those_of_a_run(tmp_path):

@@ -15,7 +15,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.settings import changed
 
-ENGINES = [
+ENGINES: list[Engine] = [
     ExudynTree(tree_tolerance=1e-11),
     InHouse(integration_tolerance=1e-11),
     ExudynJoints(),

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,6 +21,7 @@ from presswear.scene.catalog import (
     slider_crank,
     wear_times,
 )
+from presswear.tools.compile import Kernel
 
 SCENE = wear_times()
 NUMERICS = SCENE.numerics
@@ -116,7 +117,7 @@ def test_ideal_press_follows_the_closed_form(engine: Engine, least, errors, geom
 )
 def test_only_equations_are_compiled_for_another_linkage(engine, run_loop):
     """The press has a load with a law and two joints with clearance, the other no load."""
-    kernels = [run_loop.from_python, record_step.from_python]
+    kernels = [cast(Kernel, kernel).from_python for kernel in (run_loop, record_step)]
     counts = []
     for scene in (press_blanking(engine=engine), slider_crank(engine=engine)):
         run_scene(scene, scene.solver, 1e-4)

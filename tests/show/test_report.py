@@ -402,8 +402,8 @@ def test_a_rigid_run_has_no_columns_of_joints_and_tables_no_empty_heads():
     head, row = str(result).splitlines()[1:3]
     assert head.split() == ["stage", "cycles", "ended"]
     assert row.split()[-1] == "completed"
-    for row in page_of(result).rows:
-        assert any(row), "a row without a text"
+    for texts in page_of(result).rows:
+        assert any(texts), "a row without a text"
 
 
 def test_a_guide_alone_has_no_figures_of_pins():
