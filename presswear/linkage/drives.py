@@ -342,9 +342,10 @@ class GearedDrive(Drive):
             )
         if self.ratio == 0.0:
             raise InputError(f"ratio of {self.body} = 0: must not be 0")
-        motions = "speed", "frequency", "harmonics", "table", "rises"
-        laws = "follow", "torque_limit", "motor"
-        for name in laws if self.is_placed else (*laws, *motions):
+        unset = ["follow", "torque_limit", "motor"]
+        if not self.is_placed:
+            unset += ["speed", "frequency", "harmonics", "table", "rises"]
+        for name in unset:
             if getattr(self, name):
                 raise InputError(
                     f"{name} of {self.body}: a drive with a leader has none; its motion is that "
@@ -362,10 +363,11 @@ class GearedDrive(Drive):
         rows: list[Any] = []
         for phase, *values in leader.table:
             rows.append((phase, *(n * value for value in values)))
+        frequency = leader.base if leader.repeats else leader.frequency
         return replace(
             self,
             speed=n * leader.speed,
-            frequency=leader.base if leader.repeats else leader.frequency,
+            frequency=frequency,
             harmonics=[(n * a, n * b) for a, b in leader.harmonics],
             table=rows,
             rises=[replace(rise, by=n * rise.by) for rise in leader.rises],

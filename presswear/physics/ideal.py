@@ -20,20 +20,18 @@ from presswear.physics.constraint_rows import ROUND_OFF, Rows
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
 
-# Least measure of how far the joints are from a dead point; of two links in line it is
-# some half of the sine of the angle between them
+# Least ``Rows.distance`` from a dead point; for two links nearly in line this distance is
+# about half of the sine of the angle between them
 NEAREST_DEAD_POINT = 5e-3
-# Instants of a cycle at which it is followed, and at which its motion is kept
-_COARSE = 36
-_NODES = 1440
+_COARSE = 36  # steps in which a cycle is followed first
+_NODES = 1440  # steps of the stored motion
 _BATCH = 2000  # instants that are closed at once, which bounds the working space
-# largest turn, rad, between where a body is expected and where it is found
-_JUMP = 0.05
-# change of a speed over a short step, part of the greatest speed, that is a jump
+_JUMP = 0.05  # largest difference of a predicted and a computed angle, rad
+# Change of a speed over a short step, relative to the greatest speed, that is a jump
 _KINK = 0.05
 # Round-off of an angle near a place where its drive does not move its point, rad
 _ANGLE_NOISE = 1e-9
-# how often an interval is halved before the linkage is said to stop in it
+# Number of halvings of an interval after which the linkage counts as stuck in it
 _HALVINGS = 14
 
 
@@ -61,11 +59,10 @@ class Motion:
         Shape (n, 3), m, s.
         """
         column = 3 * linkage.index(point.body) if self.position.shape[1] > 3 else 0
-        item = slice(column, column + 3)
-        q, v, a = (
-            level[:, item]
-            for level in (self.position, self.velocity, self.acceleration)
-        )
+        of_body = slice(column, column + 3)
+        q = self.position[:, of_body]
+        v = self.velocity[:, of_body]
+        a = self.acceleration[:, of_body]
         cosine = np.cos(q[:, 2] - direction)
         sine = np.sin(q[:, 2] - direction)
         # The point relative to the mass centre, along the direction and across.
@@ -100,10 +97,10 @@ class IdealMotion:
     def at(self, time: Array, closed: bool = True) -> Motion:
         """Return the motion of every body at some instants, s, to round-off.
 
-        With ``closed`` false that of the output's body alone, by the polynomials
-        between the nodes, in a thirtieth of the time. Under smooth drives positions are
-        known to round-off, velocities to 1e-11 of the greatest and accelerations to
-        1e-8.
+        With ``closed`` false it is the motion of the body of the output alone, by the
+        polynomials between the nodes, in a thirtieth of the time. Under smooth drives
+        positions are then exact to round-off, velocities to 1e-11 of the greatest velocity
+        and accelerations to 1e-8 of the greatest acceleration.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
         duration = 0.0
@@ -130,8 +127,10 @@ class IdealMotion:
             [[1.0], [1.0 / self.period], [1.0 / self.period**2]]
         )
         # Close the linkage at instants at which the error is more than round-off.
-        batches = np.array_split(np.arange(time.size), 1 + time.size // _BATCH)
-        for batch in batches if closed else ():
+        batches = []
+        if closed:
+            batches = np.array_split(np.arange(time.size), 1 + time.size // _BATCH)
+        for batch in batches:
             levels = self.rows.errors(time[batch], q[batch], v[batch], a[batch])
             errors = np.array([np.abs(level).max(axis=1) for level in levels])
             rough = batch[(errors > 1e2 * ROUND_OFF * scale).any(axis=0)]
@@ -147,7 +146,7 @@ class IdealMotion:
     def between(
         self, node: NDArray[np.int64], fraction: Array, bodies: slice = slice(None)
     ) -> Levels:
-        """Return the quintic polynomials between a node and the next, at fractions of the step."""
+        """Return the quintic polynomials from nodes to the next ones, at fractions of a step."""
         h = self.period / (len(self.position) - 1)
         x = fraction[:, None, None]
         q0 = self.position[:, bodies][node]
@@ -215,6 +214,7 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
 
 
 def _is_near(result: Array, expected: Array) -> bool:
+    """Return whether all angles are near the expected ones."""
     return bool(np.abs(result - expected)[..., 2].max() < _JUMP)
 
 

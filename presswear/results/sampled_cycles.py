@@ -1,4 +1,4 @@
-"""Sampled cycles of a stage: the recorded ones after the start-up."""
+"""Sampled cycles of a stage: the recorded cycles after the start-up."""
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
+
+_MISSING = 0.02  # part of a cycle that may be missing in the series of a complete cycle
+_ROUND_OFF = 0.01  # part of a cycle by which times of complete cycles may be shorter
 
 
 def sampled_cycles(scene: Scene, stage: StageResult) -> Array:
@@ -53,7 +56,7 @@ def has_motion(scene: Scene, stage: StageResult) -> bool:
     if stage.failed or not stage.has_joint_series or stage.time.size < 2:
         return False
     start, end = sampled_span(scene, stage)
-    return end - start > 0.99 * scene.mechanism.period
+    return end - start > (1.0 - _ROUND_OFF) * scene.mechanism.period
 
 
 def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
@@ -63,8 +66,7 @@ def sampled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
     """
     period = scene.mechanism.period
     run_up = scene.run_up
-    # A cycle counts as complete if less than 2 % of it is missing.
-    whole = int((float(stage.time[-1]) - run_up) / period + 0.02)
-    first = max(min(STARTUP_CYCLES, whole - 1), 0)
-    end = run_up + max(whole, first + 1) * period
+    complete = int((float(stage.time[-1]) - run_up) / period + _MISSING)
+    first = max(min(STARTUP_CYCLES, complete - 1), 0)
+    end = run_up + max(complete, first + 1) * period
     return run_up + first * period, min(end, float(stage.time[-1]))

@@ -39,13 +39,12 @@ class Setting:
 def settings_of(scene: Scene) -> list[Setting]:
     """Return all settings with present values; of single joints only those that differ."""
     common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
-    differing = (
-        setting
-        for joint in scene.joint_bearings
-        for setting in _of_joint(scene, joint)
-        if setting.value != common.get(setting.key.removeprefix(f"{joint}."))
-    )
-    return [*settings_in(scene, scene.origins), *differing]
+    settings = list(settings_in(scene, scene.origins))
+    for joint in scene.joint_bearings:
+        for setting in _of_joint(scene, joint):
+            if setting.value != common.get(setting.key.removeprefix(f"{joint}.")):
+                settings.append(setting)
+    return settings
 
 
 def applicable_settings_of(scene: Scene) -> list[Setting]:
@@ -59,33 +58,28 @@ def applicable_settings_of(scene: Scene) -> list[Setting]:
 def used_settings_of(scene: Scene) -> list[Setting]:
     """Return the settings whose values a run of the scene uses.
 
-    Left out are values of bearings that each joint has a value of its own for, or that
-    its laws do not read, and the settings of the other engines.
+    It omits a value of the common bearing if no joint has it, values that the laws of a
+    joint do not read, and the settings of the other engines.
     """
-    used = {
-        (setting.key, setting.value)
-        for joint in scene.bearing_joints
-        for setting in settings_in(scene.bearing(joint))
-        if setting.key.partition(".")[0] not in unread_of(scene, joint)
-    }
+    used = set()  # keys and values of the bearings of all joints
+    unused = set()  # keys of settings that nothing reads
+    for joint in scene.bearing_joints:
+        unread = unread_of(scene, joint)
+        unused |= {f"{joint}.{key}" for key in unread}
+        for setting in settings_in(scene.bearing(joint)):
+            key, _, _ = setting.key.partition(".")
+            if key not in unread:
+                used.add((setting.key, setting.value))
+    for engine in vars(scene.numerics).values():
+        if engine.word != scene.solver.word:
+            unused |= {setting.key for setting in settings_in(engine)}
     common = {setting.key for setting in settings_in(scene.bearings)} - {*NOT_COMMON}
-    engines = (
-        engine
-        for engine in vars(scene.numerics).values()
-        if engine.word != scene.solver.word
-    )
-    unused = {setting.key for engine in engines for setting in settings_in(engine)}
-    unused |= {
-        f"{joint}.{key}"
-        for joint in scene.bearing_joints
-        for key in unread_of(scene, joint)
-    }
-    return [
-        setting
-        for setting in applicable_settings_of(scene)
-        if setting.key not in unused
-        and (setting.key not in common or (setting.key, setting.value) in used)
-    ]
+    result = []
+    for setting in applicable_settings_of(scene):
+        is_used = setting.key not in common or (setting.key, setting.value) in used
+        if is_used and setting.key not in unused:
+            result.append(setting)
+    return result
 
 
 def unread_of(scene: Scene, joint: str) -> tuple[str, ...]:
@@ -103,6 +97,7 @@ def all_settings(scene: Scene) -> Iterator[Setting]:
 
 
 def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
+    """Yield the settings of the bearing of a joint, with their origins."""
     for setting in settings_in(scene.bearing(joint)):
         key = f"{joint}.{setting.key}"
         meaning = setting.meaning
@@ -115,26 +110,26 @@ def _of_joint(scene: Scene, joint: str) -> Iterator[Setting]:
 def settings_in(
     owner: Any, origins: Mapping[str, str] | None = None, prefix: str = ""
 ) -> Iterator[Setting]:
-    """Yield the settings of the parts of a data class, then those of its fields."""
-    plain = []
+    """Yield the settings of the parts of a data class, then the settings that are no parts."""
+    without_parts = []
     for name, key, value, meaning, inner in fields_of(owner, prefix):
         if isinstance(meaning, Choice):
             setting = Setting(key, meaning.shown(value), meaning)
             if not meaning.is_part:
-                plain.append(setting)
-                plain += _numbers_of_law(setting, value, origins or {})
+                without_parts.append(setting)
+                without_parts += _numbers_of_law(setting, value, origins or {})
                 continue
             yield setting
         elif meaning is not None:
             origin = (origins or {}).get(key, meaning.origin)
             if origin != meaning.origin:
                 meaning = replace(meaning, origin=origin)
-            plain.append(Setting(key, value, meaning))
+            without_parts.append(Setting(key, value, meaning))
         if has_settings(value):
             for setting in settings_in(value, origins, inner):
                 if name != COMMON or setting.key not in NOT_COMMON:
                     yield setting
-    yield from plain
+    yield from without_parts
 
 
 def _numbers_of_law(
@@ -156,14 +151,15 @@ def has_settings(value: Any) -> bool:
 
 def fields_of(owner: Any, prefix: str) -> Iterator[tuple[str, str, Any, Any, str]]:
     """Yield name, key, value and meaning of each field, and the prefix of the keys in it."""
-    for item in fields(owner):
-        if item.name in getattr(owner, "unset", ()):
+    for field in fields(owner):
+        name = field.name
+        if name in getattr(owner, "unset", ()):
             continue
-        key = f"{prefix}{item.name}"
-        meaning = meaning_of(item, owner)
+        key = f"{prefix}{name}"
+        meaning = meaning_of(field, owner)
         is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
         inner = f"{key}." if is_optional else prefix
-        yield item.name, key, getattr(owner, item.name), meaning, inner
+        yield name, key, getattr(owner, name), meaning, inner
 
 
 IN_FILE = f"{SET}, in the file"

@@ -50,9 +50,8 @@ def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
     if ":" in text:
         return _values_of_range(key, text, meaning)
     _check_commas(key, text, meaning)
-    return [
-        float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")
-    ]
+    texts = map(str.strip, text.split(","))
+    return [float(parse_quantity(key, number, meaning)) for number in texts]
 
 
 def _check_commas(key: str, text: str, meaning: Quantity) -> None:

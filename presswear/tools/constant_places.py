@@ -21,11 +21,13 @@ def _is_simple(context: Any, array: Any, index: Any) -> bool:
 
 
 def _place(builder: Any, array: Any, index: int) -> Any:
+    """Return the address of an element."""
     return builder.gep(builder.extract_value(array, _DATA), [ir.IntType(64)(index)])
 
 
 @lower_builtin("static_getitem", types.Array, types.IntegerLiteral)
 def _read(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Return the code that reads an element."""
     array, index = arguments
     kind = signature.args[0]
     if not _is_simple(context, kind, index):
@@ -35,12 +37,13 @@ def _read(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @lower_builtin("static_setitem", types.Array, types.Integer, types.Number)
 def _write(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Return the code that writes an element."""
     array, index, value = arguments
     kind, _, number = signature.args
     if not _is_simple(context, kind, index):
         place = context.get_constant(types.intp, index)
-        whole = signature.replace(args=(kind, types.intp, number))
-        return setitem_array(context, builder, whole, (array, place, value))
+        general = signature.replace(args=(kind, types.intp, number))
+        return setitem_array(context, builder, general, (array, place, value))
     value = context.cast(builder, value, number, kind.dtype)
     store_item(context, builder, kind, value, _place(builder, array, index))
     return context.get_dummy_value()

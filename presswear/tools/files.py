@@ -26,12 +26,12 @@ LOCK = "lock"  # name of the file that is locked
 # Largest size of a file that is read into memory, unless its size is specified
 MOST_BYTES = 2**28
 MAX_NAME = 255  # bytes of a name in common file systems
-# files that a run leaves that is killed at its start
+# Files that remain if a run is killed at its start
 _LEFT = {LOCK, "result.json.part"}
-# errors of ``lock``: another process has it
+# Errors of ``lock`` if another process has the lock
 BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
-_TRIES = 5
-# between two tries, s: a process that asks for the holder has the lock for a moment
+_TRIES = 5  # attempts to lock a folder
+# Pause between two attempts, s: a process that asks for the holder has the lock for a moment
 _PAUSE = 0.02
 
 
@@ -44,6 +44,7 @@ def inside(folder: Path, *names: str) -> Path:
 
 
 def _check_link(path: Path) -> None:
+    """Raise InputError for a link."""
     if path.is_symlink():
         raise InputError(
             f"{path}: this is a link; nothing is written through it, so remove it"
@@ -164,10 +165,11 @@ def _check_exists(is_wanted: Callable[[Path], bool], kind: str, path: Path) -> N
     if path.exists():
         raise InputError(f"{path}: it is not a {kind}")
     from_the_top = (*reversed(path.parents), path)
-    missing = next((part for part in from_the_top if not part.exists()), path)
-    is_near = is_wanted if missing == path else Path.is_dir
-    beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
-    hint = nearest(missing.name, (item.name for item in beside if is_near(item)))
+    missing = next((folder for folder in from_the_top if not folder.exists()), path)
+    has_kind = is_wanted if missing == path else Path.is_dir
+    neighbours = missing.parent.iterdir() if missing.parent.is_dir() else ()
+    names = [neighbour.name for neighbour in neighbours if has_kind(neighbour)]
+    hint = nearest(missing.name, names)
     raise InputError(f"{path}: there is no such {kind}{hint}")
 
 
@@ -186,7 +188,7 @@ def is_free(path: Path) -> bool:
         parent = next(folder for folder in path.parents if folder.exists())
         if not parent.is_dir():
             raise InputError(f"folder {path}: {parent} is not a folder")
-        # Permissions do not tell for every kind of file system: trying does.
+        # Permissions do not decide it in every file system, but an attempt does.
         os.rmdir(tempfile.mkdtemp(dir=parent))
     except OSError as error:
         raise InputError(

@@ -84,14 +84,14 @@ def function_of(text: str) -> Kernel:
 
     A debugger shows the lines of the text, because ``linecache`` has them.
     """
-    short = digest(text.encode())[:16]
-    name = f"<equations {short}>"
+    text_digest = digest(text.encode())[:16]
+    name = f"<equations {text_digest}>"
     names: dict[str, Any] = {**_NAMES, "__name__": __name__}
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     exec(compile(text, name, "exec"), names)
     function: Callable[..., Any] = names["equations"]
     # Each text needs a name of its own, because stored machine code is found by name.
-    function.__qualname__ = f"equations_{short}"
+    function.__qualname__ = f"equations_{text_digest}"
     return Kernel(function, file=__file__)
 
 
@@ -108,12 +108,11 @@ def model_of(
     continues from the state that ``begin_motion`` stores in ``prescribed``.
     """
     prescribed = frozenset(link.body.name for link in equations.chain.prescribed)
+    fields = len(CONTACT.names or ())
     return Model(
         parameters=equations.parameters,
         onset=onset,
-        contacts=contacts.view(np.float64).reshape(
-            len(contacts), len(CONTACT.names or ())
-        ),
+        contacts=contacts.view(np.float64).reshape(len(contacts), fields),
         bodies=np.zeros((5, packed.mass.size)),
         joints=packed.joints,
         surfaces=packed.surfaces,

@@ -40,13 +40,12 @@ def phase_portrait(result: Result, shown: Shown) -> list[Drawing]:
     """Draw velocity over position: of the output, and of each pin along the line of centres."""
     scene = result.scene
     joints = result.scene.loose_pins
-    # both stages of a joint have the same scale
+    # Both stages of a joint have the same scale.
     share: Any = "row" if len(shown) > 1 else False
     names = ["", *joints]
     sheet, places, _ = style.joint_panels(names, shown, 2.4, sharex=share, sharey=share)
-    factor, unit = unit_scale(
-        "m", max((scene.bearing(joint).clearance for joint in joints), default=1.0)
-    )
+    clearances = [scene.bearing(joint).clearance for joint in joints]
+    factor, unit = unit_scale("m", max(clearances, default=1.0))
     for axes, joint, stage in places:
         data = style.between(stage.data, *sampled_span(scene, stage.data))
         line_style: dict[str, Any] = {"color": stage.pen.colour, "linewidth": 0.3}
@@ -102,9 +101,11 @@ def impact_section(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the closing speed over the cycle at every touchdown, a panel for joint and stage."""
     scene = result.scene
     joints = scene.dry_pins
-    impacts = {
-        (j, s.data.index): impacts_of(scene, s.data, j) for j in joints for s in shown
-    }
+    impacts = {}
+    for joint in joints:
+        for stage in shown:
+            key = (joint, stage.data.index)
+            impacts[key] = impacts_of(scene, stage.data, joint)
     if not any(speed.any() for _, speed in impacts.values()):
         return []
     label = "closing speed (m/s)"
@@ -145,10 +146,10 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
     for axes, joint, stage in places:
         by_clock = timeline_of(scene, stage.data, joint)
         line = over_nominal_time(scene, stage.data, by_clock)
-        parts = 100.0 * line.over_phase(scene.mechanism.period, BINS)
-        parts = np.column_stack([parts, parts[:, -1]])
+        percent = 100.0 * line.over_phase(scene.mechanism.period, BINS)
+        percent = np.column_stack([percent, percent[:, -1]])
         edges = np.linspace(0.0, 360.0, BINS + 1)
-        axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
+        axes.stackplot(edges, percent, colors=_MODE_COLOURS, linewidth=0.0, step="post")
         axes.set_ylim(0.0, 100.0)
         axes.grid(False)
         shares = zip(_MODE_WORDS, by_clock.shares.values(), strict=True)
@@ -156,9 +157,8 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
         title = f"joint {joint}, {stage.pen.label}\n{text} %"
         axes.set_title(title, fontsize=7.0, fontweight="normal")
     _label_phase(lowest, result)
-    pens = [
-        Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)
-    ]
+    colours = zip(MODES, _MODE_COLOURS, strict=True)
+    pens = [Pen(mode, colour, width=5.0) for mode, colour in colours]
     return style.finished("modes", sheet, pens)
 
 
@@ -166,35 +166,29 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
     scene = result.scene
     joints = result.scene.loose_pins
-    columns = 1 + (len(joints) > 2)
-    sheet, column, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
+    columns = 2 if len(joints) > 2 else 1
+    sheet, panels, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
     resonances = []
-    periods = []  # with a motor not the nominal one
+    periods = []  # mean periods; with a motor they differ from the nominal period
     for stage in shown:
         spectra = spectra_of(scene, stage.data)
         periods.append(spectra[""].period)
-        for axes, name in zip(column, ("", *joints), strict=True):
-            each = spectra[name]
-            stage.pen.draw(axes, each.order[1:], each.density[1:], linewidth=0.6)
-    for axes, joint in zip(column[1:], joints, strict=True):
-        hertz = []
-        for stage, period in zip(shown, periods, strict=True):
-            if (frequency := resonance(stage.data, joint)) is not None:
-                order = frequency * period
-                colour = stage.pen.colour
-                axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
-                hertz.append(frequency)
-        if hertz:
-            ends = dict.fromkeys(map(readable, (min(hertz), max(hertz))))
-            resonances.append(f"{joint} {' to '.join(ends)} Hz")
+        for axes, name in zip(panels, ("", *joints), strict=True):
+            of_name = spectra[name]
+            stage.pen.draw(axes, of_name.order[1:], of_name.density[1:], linewidth=0.6)
+    for axes, joint in zip(panels[1:], joints, strict=True):
+        frequencies = _draw_resonances(axes, shown, periods, joint)
+        if frequencies:
+            ends = map(readable, (min(frequencies), max(frequencies)))
+            resonances.append(f"{joint} {' to '.join(dict.fromkeys(ends))} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
-    column[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
-    for axes in column:
+    panels[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
+    for axes in panels:
         axes.set_xscale("log", subs=style.SUBTICKS)
         axes.set_yscale("log", subs=style.SUBTICKS)
         for order in range(1, _HARMONICS + 1):
             axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
-    column[-1].set_xlim(0.2, MAX_ORDER)
+    panels[-1].set_xlim(0.2, MAX_ORDER)
     for axes in lowest:
         axes.set_xlabel("frequency in turns of the cycle (orders)")
     return style.finished(
@@ -206,6 +200,21 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
         resonances=resonances,
         period=periods[-1],
     )
+
+
+def _draw_resonances(
+    axes: Axes, shown: Shown, periods: Sequence[float], joint: str
+) -> list[float]:
+    """Draw the contact resonances of a joint in each stage; return them, Hz."""
+    frequencies = []
+    for stage, period in zip(shown, periods, strict=True):
+        frequency = resonance(stage.data, joint)
+        if frequency is not None:
+            order = frequency * period
+            colour = stage.pen.colour
+            axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
+            frequencies.append(frequency)
+    return frequencies
 
 
 def _axis(diagram: "Diagram") -> tuple[float, str]:
@@ -221,7 +230,9 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     parameter = diagram.parameter
     joints = diagram.scene.loose_pins
     has_exponent = diagram.cycles.exponent > 0
-    count = len(joints) + has_exponent + 1
+    count = len(joints) + 1
+    if has_exponent:
+        count += 1
     sheet, grid = style.panels(count, 1, 0.8 + 1.9 * count, sharex=True)
     of_pins = grid[: len(joints), 0]
     of_exponent = grid[len(joints), 0] if has_exponent else None
@@ -244,7 +255,8 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
         of_exponent.axhline(0.0, color=style.REFERENCE, linewidth=0.7)
         of_exponent.set_ylabel("largest Lyapunov\nexponent (1/s)")
     of_period.set_ylabel("period (cycles);\n0: no period")
-    of_period.set_ylim(-0.5, max(MIN_PERIOD_AXIS, of_period.get_ylim()[1]) + 0.5)
+    _, top = of_period.get_ylim()
+    of_period.set_ylim(-0.5, max(MIN_PERIOD_AXIS, top) + 0.5)
     of_period.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     of_period.set_xlabel(label)
     (drawing,) = style.finished(

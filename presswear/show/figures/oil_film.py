@@ -14,8 +14,10 @@ from presswear.show.figures.style import Axes, Drawing, Pen, ShownStage, Stages
 from presswear.show.figures.window import sampled
 from presswear.tools.numbers import readable
 
-# Widths of the panels: film over the cycle, film in the working zone, orbit
-_FILM_WIDTHS = (3.0, 2.0, 2.0)
+# Relative widths of the panels: film over the cycle, film in the working zone, orbit
+_CYCLE_WIDTH = 3.0
+_ZONE_WIDTH = 2.0
+_ORBIT_WIDTH = 2.0
 _FILM = Pen("oil film", style.LINES[0][0])
 _FULL = Pen("full film above", style.LINES[2][0], (0.0, (5.0, 2.0)))
 _ROUGHNESS = Pen("roughness of both surfaces", style.LINES[1][0], "dotted")
@@ -34,24 +36,28 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
         return []
     height = min(0.6 + 2.2 * len(films), style.TALLEST)
     zone = _working_zone(result, stages)
-    widths = _FILM_WIDTHS if zone else _FILM_WIDTHS[::2]
+    widths = [_CYCLE_WIDTH, _ORBIT_WIDTH]
+    if zone:
+        widths.insert(1, _ZONE_WIDTH)
     sheet, grid = style.panels(len(films), len(widths), height, width_ratios=widths)
     phase = scene.mechanism.linkage().phase
-    for row, (name, film) in zip(grid, films.items(), strict=True):
-        _draw_film(row[0], film, 1)
+    for panels, (name, film) in zip(grid, films.items(), strict=True):
+        over_cycle, *in_zone, orbit = panels
+        _draw_film(over_cycle, film, 1)
         share = f"{100.0 * film.full_share:.3g} % of the cycle"
         title = f"joint {name}: full film for\n{share}"
-        row[0].set_title(title)
-        row[0].set_ylabel("film (µm)")
-        row[0].set_xlim(0.0, 360.0)
-        row[0].xaxis.set_major_locator(MultipleLocator(90.0))
+        over_cycle.set_title(title)
+        over_cycle.set_ylabel("film (µm)")
+        over_cycle.set_xlim(0.0, 360.0)
+        over_cycle.xaxis.set_major_locator(MultipleLocator(90.0))
         if zone:
-            _draw_film(row[1], film, 2)  # the zone may reach into the next cycle
-            row[0].axvspan(*zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
-            row[1].set_xlim(*zone)
-            row[1].set_title("working zone\n(grey at the left)", fontweight="normal")
-            row[1].set_xlabel(f"{phase} (degrees)")
-        _draw_orbit(row[-1], film)
+            over_cycle.axvspan(*zone, color=style.MUTED, alpha=0.12, linewidth=0.0)
+            (axes,) = in_zone
+            _draw_film(axes, film, 2)  # the zone may reach into the next cycle
+            axes.set_xlim(*zone)
+            axes.set_title("working zone\n(grey at the left)", fontweight="normal")
+            axes.set_xlabel(f"{phase} (degrees)")
+        _draw_orbit(orbit, film)
     grid[-1, 0].set_xlabel(f"{phase} since the start (degrees)")
     grid[-1, -1].set_xlabel("x over the clearance")
     pens = [_FILM, _FULL, _ROUGHNESS]
@@ -62,13 +68,10 @@ def film_thickness(result: Result, stages: Stages) -> list[Drawing]:
 
 def _working_zone(result: Result, stages: Stages) -> tuple[float, float] | None:
     """Return the working zone of the last stage as degrees of the cycle; None without work."""
-    moving = [
-        ShownStage(stage, _FILM)
-        for stage in stages[-1:]
-        if not stage.failed and stage.time.size > 1
-    ]
-    window = sampled(result, moving)[1] if moving else None
-    if window is None or window.zone is None:
+    if not stages or stages[-1].failed or stages[-1].time.size < 2:
+        return None
+    _, window = sampled(result, [ShownStage(stages[-1], _FILM)])
+    if window.zone is None:
         return None
     start, end = (window.degrees(time) for time in window.zone)
     turn = 360.0 * math.floor(start / 360.0)
