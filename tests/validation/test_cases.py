@@ -82,7 +82,7 @@ def test_case_is_within_its_bounds_or_refused(case: HardCase):
 def test_cases_have_unique_names():
     counts = Counter((case.name, case.engine) for case in HARD)
     assert [name for name, count in counts.items() if count > 1] == []
-    assert len(HARD) == 157
+    assert len(HARD) == 155
 
 
 def test_a_worse_engine_misses(monkeypatch):
