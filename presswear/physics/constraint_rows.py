@@ -259,8 +259,9 @@ class Rows:
         If rows are repeated, it is the least-squares solution.
         """
         if self.repeated:
-            inverse = np.linalg.pinv(self.jacobian(q) * self.scale)
-            scaled = (inverse @ right[..., np.newaxis])[..., 0]
+            orthogonal, triangle = np.linalg.qr(self.jacobian(q) * self.scale)
+            projected = orthogonal.transpose(0, 2, 1) @ right[..., np.newaxis]
+            scaled = np.linalg.solve(triangle, projected)[..., 0]
             return np.asarray((scaled * self.scale).reshape(q.shape))
         derivatives = self._derivatives(q)
         result = np.zeros((len(q), self.bodies + 1, 3))
