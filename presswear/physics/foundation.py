@@ -279,7 +279,7 @@ class Search(NamedTuple):
     previous: float  # overlap at this node, m
 
 
-@compiled
+@inlined
 def integrate_overlap(
     surfaces: Array, joint: Records, place: Place, angle: float
 ) -> tuple[Search, ArcIntegrals]:
