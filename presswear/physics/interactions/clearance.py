@@ -241,7 +241,7 @@ class ContactText(MotionText):
             self.text.write(f"{contact}[{FIELDS[field]}] = {value}")
         records = ("joints", "surfaces", "contact_records")
         arguments = ", ".join(f"data.{name}[{self.number}]" for name in records)
-        fields = _FIELDS_OF_KERNELS + _FIELDS_OF_DEEPEST
+        fields: tuple[str, ...] = _FIELDS_OF_KERNELS + _FIELDS_OF_DEEPEST
         if not self.is_on_foundation:
             self.text.write(f"note_radial({arguments})")
         elif self.reads_penetration:
