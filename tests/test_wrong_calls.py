@@ -34,7 +34,14 @@ WRONG: list[Any] = [
 NAMES = [name for name, one in PUBLIC.items() if callable(one)]
 RUNS = "run", "run_scenes", "sweep"  # these are called with arguments that start no run
 # what the program gives to scripts, and errors that they raise
-MADE_BY_PROGRAM = "Progress", "StageResult", "JointResult", "InputError", "RunFailed"
+MADE_BY_PROGRAM = (
+    "Diagram",
+    "InputError",
+    "JointResult",
+    "Progress",
+    "RunFailed",
+    "StageResult",
+)
 STATISTICS = [
     name
     for name in pw.statistics.__all__

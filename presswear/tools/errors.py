@@ -58,7 +58,11 @@ def nearest(name: str, names: Iterable[str]) -> str:
     from difflib import get_close_matches  # slow to import
 
     lower = {word.lower(): word for word in names}
-    matches = get_close_matches(name.lower()[:MAX_MESSAGE], lower, n=1, cutoff=NEAR)
+    unknown_name = name.lower()[:MAX_MESSAGE]
+    matches = get_close_matches(unknown_name, lower, n=1, cutoff=NEAR)
+    if not matches and len(unknown_name) > LEAST_STEM:
+        stem = unknown_name[:-1]  # body and bodies
+        matches = [word for word in lower if word.startswith(stem)]
     return f"; did you mean {lower[matches[0]]}?" if matches else ""
 
 
@@ -91,6 +95,7 @@ def not_installed(what: str, package: str) -> InputError:
 
 
 NEAR = 0.65  # similarity of a name that is proposed; 0.6 proposes speed for spiel
+LEAST_STEM = 3  # fewest letters that a name and the proposed one share
 FEW_NAMES = 6  # up to so many names are all listed beside the nearest one
 MAX_VALUE = 80  # characters of a value in a message
 MAX_MESSAGE = 1000  # characters of a message

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from presswear.tools.errors import one_line, unknown
+from presswear.tools.errors import nearest, one_line, unknown
 from presswear.tools.not_modelled import PAGE, answers
 from presswear.tools.numbers import large
 
@@ -18,6 +18,14 @@ def test_a_message_keeps_narrow_spaces_and_escapes_what_is_not_printable():
     assert "27\u202f000 strokes" in words
     assert one_line(words) == words
     assert one_line("a\nb\x1b") == "a\\nb\\x1b"
+
+
+@pytest.mark.parametrize(
+    ("name", "near"), [("body", "bodies"), ("speeed", "speed"), ("spiel", "")]
+)
+def test_only_near_names_are_proposed(name, near):
+    known = ["speed", "bodies"]
+    assert nearest(name, known) == (f"; did you mean {near}?" if near else "")
 
 
 @pytest.mark.parametrize(
