@@ -114,7 +114,8 @@ def _show_outputs(app: Sphinx) -> None:
 
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
     """End the build if a command line failed."""
-    for process in _COMMANDS:
+    while _COMMANDS:  # the error that this raises calls it again
+        process = _COMMANDS.pop()
         messages = process.communicate()[1]
         if process.returncode and error is None:
             raise SphinxError(messages)
