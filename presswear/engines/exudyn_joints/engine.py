@@ -174,15 +174,13 @@ def _drives(
     # After the short step to a bend in a load, accelerations would oscillate.
     bends = any(isinstance(load.law, OverPosition) for load in linkage.loads_with_law)
     turns = [not linkage.prescribes(drive) for drive in linkage.drives]
-    constraints = None
-    if bends or not are_steady:
-        constraints = constraints_of(linkage).system(mass)
     return Drives(
         has_motor=np.array(turns, np.bool_),
         multiplier=np.array(rows, np.int64),
         multipliers=multipliers,
         force=np.zeros(3 * len(linkage.bodies)),
-        constraints=constraints,
+        constraints=constraints_of(linkage).system(mass),
+        projects_states=bends or not are_steady,
     )
 
 
@@ -255,9 +253,7 @@ class _Joints:
         self.solver = self._prepare_solver(settings, plan, recorder)
         self.update_contacts()
         if linkage.rubbing_pins:
-            packed = self.records.packed
-            constraints = constraints_of(linkage).system(packed.mass)
-            begin_friction(body_state, constraints, packed, self.drives, friction)
+            begin_friction(body_state, self.records.packed, self.drives, friction)
         self.energies = self.records.memory["energy"]
         # Pins that are closed in the initial state store energy.
         self.energies[:] = self.records.contacts["energy"]
@@ -367,7 +363,7 @@ class _Joints:
         """Integrate up to a time, s."""
         # The initial accelerations of Exudyn are right for steady drives. Later cycles
         # continue with the accelerations at the end of the last cycle.
-        compute = self.drives.constraints is None or self.solver.time == 0.0
+        compute = not self.drives.projects_states or self.solver.time == 0.0
         integration = self.solver.settings.timeIntegration
         integration.generalizedAlpha.computeInitialAccelerations = compute
         return self.solver.run(self.system, self.live, end)

@@ -123,9 +123,10 @@ class Drives(NamedTuple):
     # live multipliers of Exudyn; the torque of a drive is minus its multiplier
     multipliers: Array
     force: Array  # working space, (3 bodies,)
-    # Constraints, if a drive turns at an uneven speed or the law of a load has a corner
-    # over position; see ``project_state``
-    constraints: ConstraintSystem | None
+    constraints: ConstraintSystem
+    # True if a drive turns at an uneven speed or the law of a load has a corner over
+    # position; see ``project_state``
+    projects_states: bool
 
 
 @compiled
@@ -152,13 +153,10 @@ def begin_step(address: PackedArguments, t: float) -> None:
 
 @compiled
 def begin_friction(
-    body_state: BodyState,
-    constraints: ConstraintSystem,
-    packed: Packed,
-    drives: Drives,
-    friction: Friction,
+    body_state: BodyState, packed: Packed, drives: Drives, friction: Friction
 ) -> None:
     """Fill the joint forces of the initial state: Exudyn needs them for its accelerations."""
+    constraints = drives.constraints
     force = drives.force
     all_forces(body_state, packed, force)
     evaluate_constraints(constraints, 0.0, body_state.q, body_state.v)
@@ -173,12 +171,7 @@ def begin_friction(
 
 
 @compiled
-def project_state(
-    body_state: BodyState,
-    drives: Drives,
-    constraints: ConstraintSystem | None,
-    t: float,
-) -> None:
+def project_state(body_state: BodyState, drives: Drives, t: float) -> None:
     """Project an accepted state on the constraints of position, velocity and acceleration.
 
     The trapezoidal rule satisfies joints and drives in velocities only. With an uneven
@@ -186,8 +179,9 @@ def project_state(
     acceleration oscillates about the exact one without end. It also oscillates after a
     very short step.
     """
-    if constraints is None:
+    if not drives.projects_states:
         return
+    constraints = drives.constraints
     project(constraints, t, body_state.q, body_state.v)
     project_acceleration(constraints, t, body_state.q, body_state.v, body_state.a)
     for row in range(constraints.records.shape[0]):
@@ -291,7 +285,7 @@ def accept_joint_step(address: PackedArguments, t: float) -> float:
     body_state, drives, records, steps, _, _ = unpack(address)
     h = t - records.output[0].now
     refresh(body_state, t)
-    project_state(body_state, drives, drives.constraints, t)
+    project_state(body_state, drives, t)
     if not all_finite(body_state.q, body_state.v):
         return math.nan
     fill_end_forces(body_state, records, t, END)
