@@ -48,6 +48,8 @@ MADE = {
     "--tolerance 1 --until 'C.depth > 0.01 um'",
     "results/clearances": "sweep wear-times --vary clearance=0.2mm,1.0mm --response A.force_max "
     "--set engine=dae --set cycles=2 --set wear_updates=0 --out results/clearances",
+    "results/slider-crank-dynamics": "dynamics slider-crank --over 'speed=50:60:2 rad/s' "
+    "--exponent 0",
     "theirs.csv": "export results/mine theirs.csv",
     "my-press.toml": "new four-bar my-press.toml",
     "press.toml": "new press press.toml",
