@@ -117,7 +117,10 @@ def _stress_doubts(linkage: Linkage, process: Process) -> list[str]:
     """
     force = max(force for _, force in process.curve)
     thinnest = max(linkage.bodies, key=lambda body: _length(linkage, body) / body.mass)
-    section = thinnest.mass / (STEEL * _length(linkage, thinnest))
+    length = _length(linkage, thinnest)
+    if not length:  # a slide alone on its guide
+        return []
+    section = thinnest.mass / (STEEL * length)
     words = (
         f"the mean stress in a steel bar of the length and mass of {thinnest.name}, "
         f"{readable(thinnest.mass)} kg, under the process force of {quantity_text(force, 'N')}"

@@ -1,5 +1,6 @@
 """Warnings about numbers that machines hardly have."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -65,6 +66,26 @@ def test_clearances_and_process_forces():
     ]
     heavy = replace(scene_named("press-blanking"), process=pw.Blanking(force=250e3))
     assert "kg, under the process force of 250 kN is 6" in doubts(heavy)[0]
+
+
+def test_a_process_on_a_slide_alone_has_no_thinnest_body():
+    """A slide with a cylinder has one joint, hence no length: no division by zero."""
+    press = pw.assemble(
+        bodies=[pw.Body("slide", mass=2500.0)],
+        joints=[pw.Guide("guide", "slide", direction=math.pi / 2)],
+        drives=[
+            pw.LinearDrive(
+                "slide",
+                along="guide",
+                position=0.08,
+                frequency=0.75,
+                harmonics=[(0.08, 0.0)],
+            )
+        ],
+        output="slide",
+    )
+    sheet = pw.Blanking(force=1.5e6, height=6e-3, thickness=5e-3, rise=3e-4, snap=5e-4)
+    assert doubts(pw.Scene(press, joints="none", process=sheet)) == []
 
 
 @pytest.mark.parametrize(
