@@ -114,7 +114,7 @@ def _show_outputs(app: Sphinx) -> None:
 
 def _check_lines(app: Sphinx, error: Exception | None) -> None:
     """End the build if a command line failed."""
-    while _COMMANDS:  # the error that this raises calls it again
+    while _COMMANDS:  # Sphinx calls this again after its error
         process = _COMMANDS.pop()
         messages = process.communicate()[1]
         if process.returncode and error is None:

@@ -6,6 +6,7 @@ which they read.  A command that takes longer than ``LONGEST`` is stopped as by 
 Each command is a process that is forked from one which has imported the program.
 """
 
+import faulthandler
 import multiprocessing
 import os
 import re
@@ -110,6 +111,7 @@ def _run(
     with open(output, "wb") as file:
         for stream in (1, 2):
             os.dup2(file.fileno(), stream)
+    faulthandler.enable()  # a crash prints where it happened
     words = shlex.split(line, comments=True)
     started.set()
     sys.exit(main(list(takewhile(lambda word: word != ">", words))))
@@ -140,18 +142,6 @@ def _failure(line: str, folder: Path, longest: float | None) -> str:
         return f"presswear {line}: exit code {process.exitcode}\n{output.read()}"
 
 
-def _failure_without_crash(line: str, folder: Path, longest: float) -> str:
-    """Run a command, and a second time for longer if it crashed; return its failure.
-
-    A command that is stopped within its first second may still load or compile kernels,
-    and a signal can crash the compiler.
-    """
-    message = _failure(line, folder, longest)
-    if f"exit code {-signal.SIGSEGV}\n" not in message:
-        return message
-    return _failure(line, folder, TIME_TO_END)
-
-
 def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
     """Run the commands of a page and return the messages of those that fail."""
     failed = []
@@ -171,7 +161,7 @@ def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[
                 "--(movie|still) ", line
             )
             if "DISPLAY" in os.environ or not (replays or "--live" in line):
-                failed.append(_failure_without_crash(line, folder, longest))
+                failed.append(_failure(line, folder, longest))
     return [f"{place}: {message}" for message in failed if message]
 
 
