@@ -117,15 +117,12 @@ def _stress_doubts(linkage: Linkage, process: Process) -> list[str]:
     """
     force = max(force for _, force in process.curve)
     thinnest = max(linkage.bodies, key=lambda body: _length(linkage, body) / body.mass)
-    length = _length(linkage, thinnest)
-    if not length:  # a slide alone on its guide
-        return []
-    section = thinnest.mass / (STEEL * length)
+    stress = force * STEEL * _length(linkage, thinnest) / thinnest.mass
     words = (
         f"the mean stress in a steel bar of the length and mass of {thinnest.name}, "
         f"{readable(thinnest.mass)} kg, under the process force of {quantity_text(force, 'N')}"
     )
-    return unusual("stress", force / section, words)
+    return unusual("stress", stress, words)
 
 
 def _unused_limit(scene: Scene) -> list[str]:

@@ -68,8 +68,8 @@ def test_clearances_and_process_forces():
     assert "kg, under the process force of 250 kN is 6" in doubts(heavy)[0]
 
 
-def test_a_process_on_a_slide_alone_has_no_thinnest_body():
-    """A slide with a cylinder has one joint, hence no length: no division by zero."""
+def test_no_stress_is_doubted_in_a_slide_on_a_cylinder():
+    """The slide has a single joint, hence no length."""
     press = pw.assemble(
         bodies=[pw.Body("slide", mass=2500.0)],
         joints=[pw.Guide("guide", "slide", direction=math.pi / 2)],
