@@ -35,7 +35,7 @@ def measured(
     """
     if strokes is None:
         strokes = estimate.samples if estimate else 0
-    note = f"from {strokes} strokes" if strokes < ENOUGH else ""
+    note = f"from {numbers.counted(strokes, 'stroke')}" if strokes < ENOUGH else ""
     if estimate is None:
         return KeyNumber(name, NOTHING, "", meaning, note=note)
     low = estimate.low

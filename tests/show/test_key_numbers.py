@@ -27,6 +27,7 @@ from presswear.tools.numbers import quantity_text
         (Estimate.symmetric(225e3, 0.0, 30), "225 kN", "", ""),
         (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N", ""),
         (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
+        (Estimate(150.0, samples=1), "150 N", "interval unknown", "from 1 stroke"),
         # the standard deviation of two cycles in each of two runs
         (
             Estimate(150.0, 1e-20, 1e20, 4),
