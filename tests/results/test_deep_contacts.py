@@ -3,8 +3,6 @@
 
 import math
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,6 @@ from scipy.optimize import brentq
 
 import presswear as pw
 from presswear.results.deep_contacts import deep_contacts, forces_by_law
-from presswear.results.rigid_joints import ideal_forces
 from presswear.results.run_warnings import run_warnings
 from presswear.show.key_numbers import key_numbers
 
@@ -59,10 +56,11 @@ def test_a_foundation_of_conforming_pins_is_for_deep_contacts():
     assert len(deep_contacts(given, [stage])) == 1
 
 
+@pytest.mark.parametrize("share", [0.0, 0.6])
 @pytest.mark.parametrize(
     ("used", "part"), [("power", 0.3), ("liu", 2.0), ("foundation", 1e-4)]
 )
-def test_peak_forces_of_the_laws_store_the_same_energy(used, part):
+def test_peak_forces_of_the_laws_store_the_same_energy(used, part, share):
     """Forces and energies by quadrature of each law as printed, with K of small contacts."""
     c = 5e-5
     stiffness = 2e11
@@ -79,17 +77,8 @@ def test_peak_forces_of_the_laws_store_the_same_energy(used, part):
         "liu": lambda depth: stiffness * depth**1.5 / math.sqrt(1.0 + depth / c),
         "foundation": foundation,
     }
-    forces = forces_by_law(scene, "C", laws[used](part * c))
-    assert forces[used] == pytest.approx(laws[used](part * c), rel=1e-9)
-    energy = quad(laws[used], 0.0, part * c)[0]
-    for law, force in laws.items():
-        excess = partial(lambda x, force: quad(force, 0.0, x)[0] - energy, force=force)
-        depth = brentq(excess, 0.1 * part * c, 10.0 * part * c, xtol=1e-16)
-        assert forces[law] == pytest.approx(force(depth), rel=1e-6)
-    assert max(forces.values()) < (1.0 + part) * min(forces.values())
-
     # beyond a prescribed force, from its equilibrium on
-    given = 0.6 * laws[used](part * c)
+    given = share * laws[used](part * c)
     forces = forces_by_law(scene, "C", laws[used](part * c), given)
     assert forces[used] == pytest.approx(laws[used](part * c), rel=1e-9)
 
@@ -104,7 +93,7 @@ def test_peak_forces_of_the_laws_store_the_same_energy(used, part):
     for law, force in laws.items():
         ends = start_of(law), 10.0 * part * c
         depth = brentq(beyond, *ends, args=(law, energy), xtol=1e-16)
-        assert forces[law] == pytest.approx(force(depth), rel=1e-5)
+        assert forces[law] == pytest.approx(force(depth), rel=1e-6)
     all_by_load = forces_by_law(scene, "C", 1e5, 2e5)
     assert [*all_by_load.values()] == pytest.approx([1e5] * 3, rel=1e-9)
 
@@ -117,34 +106,6 @@ def test_the_range_of_the_laws_has_the_stiffness_of_each():
     assert forces["liu"] < 0.5 * forces["foundation"] < forces["power"]
     bent = pw.changed(SCENE, {"exponent": 1.4})
     assert forces_by_law(bent, "C", 1000.0) == {}
-
-
-@pytest.mark.slow
-def test_runs_lie_between_the_ranges_of_the_laws():
-    """The load prescribes the peak at C; pins strike at A of a press of 250 kN."""
-    file = Path(__file__).parents[2] / "scenarios" / "press-250kN.toml"
-    settings = {"wear_updates": 0, "cycles": 6, "replicates": 1}
-    scene = pw.changed(pw.scene_from(file), settings)
-    peaks = {}
-    for law in ("foundation", "liu", "power"):
-        radial = {"contact": "radial", "elasticity": law}
-        one = scene if law == "foundation" else pw.changed(scene, radial)
-        joints = pw.run(one, engine="dae").stages[-1].statistics.joints
-        peaks[law] = {name: joints[name].peak_force_per_cycle.mean for name in "AC"}
-    ideal = {name: float(abs(ideal_forces(scene)[1][name]).max()) for name in "AC"}
-    impact, pressed = (
-        {
-            name: forces_by_law(
-                scene, name, peaks["foundation"][name], part * ideal[name]
-            )
-            for name in "AC"
-        }
-        for part in (0.0, 1.0)
-    )
-    for law in ("liu", "power"):
-        assert peaks[law]["C"] == pytest.approx(pressed["C"][law], rel=3e-3)
-    assert impact["C"]["power"] > 1.2 * peaks["power"]["C"]
-    assert pressed["A"]["power"] < peaks["power"]["A"] < impact["A"]["power"]
 
 
 def test_a_press_that_gives_way_does_not_break_its_sheet():

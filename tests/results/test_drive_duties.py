@@ -90,30 +90,6 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(
     assert duties[0] == duties[-1]
 
 
-@pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
-def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine):
-    """A wheel whose speed is w + a cos(w t): M = -J a w sin(w t), in closed form."""
-    speed = 5.0
-    part = 2.0
-    inertia = 0.8
-    wheel = pw.assemble(
-        bodies=[pw.Body("wheel", mass=1.0, inertia=inertia)],
-        joints=[pw.Pin("O", (0.0, 0.0), "wheel.centre")],
-        drives=[pw.Drive("wheel", speed=speed, harmonics=[(0.0, part / speed)])],
-        gravity=0.0,
-    )
-    scene = turned(wheel, cycles=2, engine=engine)
-    duty = drives_of(scene, pw.run(scene).stages[0])["wheel"].duty
-    exact = 1e-6 if engine == "dae" else 1e-4  # equal steps of the trapezoidal rule
-    assert duty.torque.rms == pytest.approx(
-        inertia * part * speed / math.sqrt(2.0), rel=exact
-    )
-    # From the least speed to the greatest, and back.
-    work = 0.5 * inertia * ((speed + part) ** 2 - (speed - part) ** 2)
-    assert (duty.supplied, duty.returned) == pytest.approx((work, work), rel=exact)
-    assert abs(duty.torque.peak) == pytest.approx(inertia * part * speed, rel=1e-4)
-
-
 def test_a_run_that_ends_in_its_run_up_has_no_duties():
     """A stage that failed before its first cycle: nothing is whole, and nothing breaks."""
     scene = turned(replace(PENDULUM, run_up=2), cycles=1)

@@ -73,14 +73,14 @@ def run(path: Path, resume: bool = False, stop: int = 0) -> None:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "out"
     run(path)
     return path
 
 
 @pytest.fixture(scope="module")
-def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stopped(tmp_path_factory):
     """A run that was stopped in the middle of a wear in steps."""
     path = tmp_path_factory.mktemp("stopped") / "out"
     with pytest.raises(Stop):
@@ -89,7 +89,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def halted(stopped: Path, tmp_path: Path) -> Path:
+def halted(stopped, tmp_path):
     """A copy of it."""
     return Path(shutil.copytree(stopped, tmp_path / "halted"))
 
@@ -166,9 +166,7 @@ def test_damaged_results_are_named(whole, tmp_path):
             pw.load(path)
 
 
-def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(
-    tmp_path,
-):
+def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(tmp_path):
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
         with pytest.raises(
@@ -253,20 +251,9 @@ def test_maps_of_different_bins_are_stored_and_shown(whole):
 
 
 @pytest.fixture(scope="module")
-def document(tmp_path_factory: pytest.TempPathFactory) -> str:
+def document(whole):
     """Document of a run of two stages, as if it had failed and left a checkpoint."""
-    # On a foundation contacts make no energy, which would end the run.
-    scene = pw.scenes.wear_times(
-        speed=60.0,
-        conventions="refined",
-        engine="dae",
-        cycles=4,
-        replicates=2,
-        wear_updates=1,
-    )
-    path = tmp_path_factory.mktemp("result") / "run"
-    pw.run(scene, path)
-    document = json.loads((path / FILE).read_text())
+    document = json.loads((whole / FILE).read_text())
     finding = {"kind": "wear", "what": "a", "time_s": 1.0, "joint": "", "remedy": ""}
     document["stages"][1]["finding"] = finding
     checkpoint = {
@@ -338,7 +325,7 @@ SWEEP = "clearances"
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stored(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stored")
     pw.run(pw.scenes.ideal(engine="dae"), folder / RESULT)
     scene = pw.scenes.slider_crank(engine="dae", cycles=1, wear_updates=0)
@@ -357,14 +344,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (SWEEP, "runs", "sweep slider-crank --resume --out {folder}"),
     ],
 )
-def test_a_link_is_refused_in_one_line(
-    stored,
-    tmp_path,
-    command,
-    kind,
-    link,
-    line,
-):
+def test_a_link_is_refused_in_one_line(stored, tmp_path, command, kind, link, line):
     folder = tmp_path / "copy"
     outside = tmp_path / "outside"
     shutil.copytree(stored / kind, folder)
@@ -392,9 +372,7 @@ def test_a_link_in_place_of_a_file_is_replaced(stored, tmp_path):
     assert not (folder / "report.html").is_symlink()
 
 
-def test_the_revision_is_that_of_the_repository_that_tracks_the_program(
-    tmp_path,
-):
+def test_the_revision_is_that_of_the_repository_that_tracks_the_program(tmp_path):
     """An environment within the repository of another project is not part of it."""
     package = tmp_path / ".venv" / "presswear"
     package.mkdir(parents=True)

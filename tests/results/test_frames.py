@@ -12,19 +12,19 @@ SHORT = {"cycles": 2, "wear_updates": 0, "replicates": 1, "engine": "dae"}
 
 
 @pytest.fixture(scope="module")
-def result() -> pw.Result:
+def result():
     return pw.run(pw.scenes.clearance_c(**SHORT))
 
 
 @pytest.fixture(scope="module")
-def sweep(tmp_path_factory: pytest.TempPathFactory) -> pw.Sweep:
+def sweep(tmp_path_factory):
     values = {"clearance": [0.4e-3, 0.5e-3], "C.friction": [0.0, 0.1]}
     folder = tmp_path_factory.mktemp("sweep") / "rows"
     scene = pw.scenes.clearance_c(**SHORT)
     return pw.sweep(scene, values, folder, ["C.force_max"], jobs=1)
 
 
-def test_a_stage_is_a_data_frame_over_the_time(result: pw.Result):
+def test_a_stage_is_a_data_frame_over_the_time(result):
     stage = result.stages[0]
     table = stage.to_pandas()
     assert table.index.name == "time"
@@ -35,7 +35,7 @@ def test_a_stage_is_a_data_frame_over_the_time(result: pw.Result):
     assert table.attrs["units"].keys() == {"time", *table.columns}
 
 
-def test_a_stage_is_a_data_set_with_units(result: pw.Result):
+def test_a_stage_is_a_data_set_with_units(result):
     pytest.importorskip("xarray")
     data = result.stages[0].to_xarray()
     assert data["velocity"].dims == ("time",)
@@ -46,14 +46,14 @@ def test_a_stage_is_a_data_set_with_units(result: pw.Result):
     )
 
 
-def test_statistics_have_a_row_for_each_stage(result: pw.Result):
+def test_statistics_have_a_row_for_each_stage(result):
     table = result.to_pandas()
     assert list(table.index) == ["no wear"]
     peak = result.stages[0].joints["C"].statistics.peak_force
     assert table.loc["no wear", "joints.C.peak_force"] == peak
 
 
-def test_a_sweep_is_a_data_frame_and_a_grid(sweep: pw.Sweep):
+def test_a_sweep_is_a_data_frame_and_a_grid(sweep):
     table = sweep.to_pandas()
     assert table.equals(sweep.table.to_pandas())
     assert isinstance(table, pandas.DataFrame)
@@ -68,7 +68,7 @@ def test_a_sweep_is_a_data_frame_and_a_grid(sweep: pw.Sweep):
     assert data["C.force_max"].attrs["units"] == "N"
 
 
-def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep):
+def test_points_of_a_sample_are_rows_of_a_data_set(sweep):
     pytest.importorskip("xarray")
     points = sweep.table.points.copy()
     points[0] = 0.45e-3, 0.05  # no grid any more
@@ -78,15 +78,13 @@ def test_points_of_a_sample_are_rows_of_a_data_set(sweep: pw.Sweep):
     assert "clearance" in data.coords
 
 
-def test_texts_of_results_are_short(result: pw.Result, sweep: pw.Sweep):
+def test_texts_of_results_are_short(result, sweep):
     assert repr(result).startswith("<Result: clearance-c, changed: ")
     assert len(repr(result)) < 200
     assert len(repr(sweep)) < 400
 
 
-def test_a_notebook_shows_headline_numbers_and_a_picture(
-    result: pw.Result, sweep: pw.Sweep
-):
+def test_a_notebook_shows_headline_numbers_and_a_picture(result, sweep):
     html = result._repr_html_()
     assert "The press with clearance at C alone" in html
     assert "Peak joint force" in html

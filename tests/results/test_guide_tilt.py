@@ -2,7 +2,6 @@
 # mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import io
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +16,6 @@ from presswear.cli.terminal import progress_bar
 from presswear.linkage.guide_corner import CORNERS, largest_tilt
 from presswear.results.corners import corner_paths, tilt_series
 from presswear.results.guide_tilt import (
-    GuideTilt,
     _load_of,
     guide_tilts,
     self_locking,
@@ -25,7 +23,6 @@ from presswear.results.guide_tilt import (
 from presswear.show.limits import limit_lines
 from presswear.show.stage_tables import stage_tables
 from presswear.show.warnings import warnings
-from presswear.sweeps.responses import RESPONSES, available
 
 L = 0.4
 C = 0.05e-3
@@ -51,25 +48,23 @@ def press(offset: float = OFFSET, friction: float = 0.1) -> pw.Scene:
 
 
 @pytest.fixture(scope="module")
-def result() -> pw.Result:
+def result():
     return pw.run(press())
 
 
 @pytest.fixture(scope="module")
-def tilt(result: pw.Result) -> GuideTilt:
+def tilt(result):
     return guide_tilts(result.scene, result.stages[0])["guide"]
 
 
-def test_two_opposite_corners_hold_the_work_at_the_fracture(
-    result: pw.Result, tilt: GuideTilt
-):
+def test_two_opposite_corners_hold_the_work_at_the_fracture(result, tilt):
     """Each corner sinks in by F a / (L K), which adds to the clearance: 2 (c + d) / L."""
     (corner, *_) = result.scene.linkage().corners
     depth = FORCE * OFFSET / L / corner.normal.stiffness
     assert tilt.fracture.mean == pytest.approx(2.0 * (C + depth) / L, rel=5e-3)
 
 
-def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt):
+def test_tilts_are_those_of_the_film(result, tilt):
     """The film has the angle of the slide, 500 times in a cycle."""
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
@@ -91,21 +86,7 @@ def test_tilts_are_those_of_the_film(result: pw.Result, tilt: GuideTilt):
     assert tilt.greatest.mean >= np.abs(angle[whole]).max() - 1e-7
 
 
-def test_the_work_presses_on_the_point_beside_the_middle(result: pw.Result):
-    """Touch and fracture end a step of the engine; the energies are those of the run."""
-    stage = result.stages[0]
-    strokes = result.strokes(0)
-    tonnage = result.tonnage(0)
-    for instant in (*strokes.contact[:, 0], *strokes.fracture[:, 0]):
-        assert np.abs(stage.time - instant).min() < 1e-10
-    total: Any = stage.diagnostics["load_work_J"]
-    work = -0.5 * total
-    assert tonnage.work.mean == pytest.approx(work, rel=1e-3)
-
-
-def test_the_friction_loss_is_that_of_the_energy_balance(
-    result: pw.Result, tilt: GuideTilt
-):
+def test_the_friction_loss_is_that_of_the_energy_balance(result, tilt):
     """The second of two cycles is the sample; without wear the series alone has the loss."""
     stage = result.stages[0]
     corners = [stage.joints[f"guide {corner}"] for corner in CORNERS]
@@ -116,7 +97,7 @@ def test_the_friction_loss_is_that_of_the_energy_balance(
     assert tilt.friction_loss.mean == pytest.approx(second, rel=0.01)
 
 
-def test_shares_and_corner_force_by_the_rows(result: pw.Result, tilt: GuideTilt):
+def test_shares_and_corner_force_by_the_rows(result, tilt):
     stage = result.stages[0]
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     assert sum(one.mean for one in tilt.time_shares.values()) == pytest.approx(1.0)
@@ -135,23 +116,7 @@ def test_shares_and_corner_force_by_the_rows(result: pw.Result, tilt: GuideTilt)
     assert tilt.corner_force.mean == pytest.approx(np.max(peaks, axis=0)[-1])
 
 
-def test_responses_of_a_sweep_are_the_tilts(result: pw.Result, tilt: GuideTilt):
-    assert result.guide_tilts(0) == {"guide": tilt}
-    names = ("slide_tilt", "slide_tilt_max", "corner_force", "wall_wear")
-    assert set(names) <= set(available(result.scene))
-    assert not set(names) & set(available(pw.Scene(pw.SliderCrank())))
-    values = {
-        name: RESPONSES[name].function(result, result.stages[0], None) for name in names
-    }
-    walls = result.stages[0].statistics.walls["guide"].values()
-    deepest = max((wall.depth_per_cycle for wall in walls), key=lambda one: one.mean)
-    estimates = tilt.fracture, tilt.greatest, tilt.corner_force, deepest
-    for name, estimate in zip(names, estimates, strict=True):
-        response = values[name]
-        assert response.value == estimate.mean
-
-
-def test_the_report_has_the_tilt(result: pw.Result):
+def test_the_report_has_the_tilt(result):
     (line,) = [
         one
         for one in limit_lines(result.scene, result.stages[0])
@@ -163,9 +128,7 @@ def test_the_report_has_the_tilt(result: pw.Result):
     assert not any("self-locking" in line for line in warnings(result))
 
 
-def test_the_walls_wear_by_the_load_distance_of_their_corners(
-    result: pw.Result,
-):
+def test_the_walls_wear_by_the_load_distance_of_their_corners(result):
     """Worn volume is K_d times the load distance; the slide tilts to one side."""
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
@@ -188,7 +151,7 @@ def test_the_walls_wear_by_the_load_distance_of_their_corners(
     assert walls["right"].place == pytest.approx(bottom - 0.5 * L, abs=0.01)
 
 
-def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result):
+def test_printed_stages_have_the_wear_of_the_walls(result):
     stage = result.stages[0]
     walls = stage.statistics.walls["guide"]
     console = Console(file=io.StringIO(), width=200)
@@ -201,7 +164,7 @@ def test_printed_stages_have_the_wear_of_the_walls(result: pw.Result):
     assert "guide left front" not in line
 
 
-def test_the_report_has_the_wear_of_the_walls(result: pw.Result):
+def test_the_report_has_the_wear_of_the_walls(result):
     table = f"{stage_tables(result)['guide']}"
     assert "deepest wear of the left wall per million strokes" in table
     place, depth = result.stages[0].wall_wear("guide")
@@ -213,9 +176,7 @@ def test_the_report_has_the_wear_of_the_walls(result: pw.Result):
         result.stages[0].wall_wear("slide")
 
 
-def test_figures_have_the_tilt_and_the_ways_between_the_walls(
-    result: pw.Result,
-):
+def test_figures_have_the_tilt_and_the_ways_between_the_walls(result):
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
     assert largest_tilt(guide, C) == pytest.approx(2.500234445e-4, rel=1e-9)
@@ -227,9 +188,13 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     levels = {round(float(each[0]), 6) for each in lines if each.size == 2}
     assert levels == {-250.023445, -50.0, 50.0, 250.023445}
     front, back = result.plot("corners")
+    paths = corner_paths(stage, guide)
+    assert (paths["left front"] - paths["left back"]) / L == pytest.approx(
+        1e-6 * series
+    )
     for panel, corner in ((front, "left front"), (back, "left back")):
         drawn = [np.asarray(line.get_xdata()) for line in panel.lines]
-        ways = -1e6 * corner_paths(stage, guide)[corner]
+        ways = -1e6 * paths[corner]
         assert drawn[0].size > 1000
         assert np.isin(drawn[0], ways).all()
         walls = sorted(float(each[0]) for each in drawn if each.size == 2)
@@ -237,25 +202,6 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(
     ideal = replace(result, scene=replace(result.scene, joints="none", bearings={}))
     with pytest.raises(pw.InputError, match="nothing to draw"):
         ideal.plot("tilt")
-
-
-def test_a_tilt_from_the_places_of_corners(result: pw.Result):
-    """Corners placed by geometry: the middle of the slide 12 um to the left, tilted."""
-    stage = result.stages[0]
-    (guide,) = result.scene.loose_guides
-    angle = 1.7e-4
-    way = 12e-6
-    arrays: dict[str, Any] = dict(stage.arrays)
-    for name, (along, side) in CORNERS.items():
-        x = 0.5 * along * L * math.sin(angle) + 0.5 * side * 0.3 * math.cos(angle)
-        across = way + x - 0.5 * side * 0.3
-        normal = np.array([-math.sin(guide.direction), math.cos(guide.direction)])
-        arrays[f"guide {name}_eccentricity"] = np.tile(across * normal, (2, 1))
-    placed = replace(stage, arrays=arrays)
-    assert tilt_series(placed, guide) == pytest.approx([angle, angle], rel=1e-12)
-    paths = corner_paths(placed, guide)
-    total = np.sum([*paths.values()], axis=0)
-    assert total[0] == pytest.approx(4.0 * way, rel=1e-9)
 
 
 def test_self_locking_from_half_the_length_over_the_offset():

@@ -18,7 +18,7 @@ SOFT = pw.Bearing(clearance=1e-4, friction=0.0, normal_law="flores", restitution
 
 
 @pytest.fixture(scope="module")
-def both() -> list[pw.Result]:
+def both():
     """Of the highest place as it stands, and of the lowest turned by half a turn."""
     linkage = CRANK.linkage()
     turned = linkage.changed(
@@ -38,9 +38,7 @@ def both() -> list[pw.Result]:
     return [pw.run(scene) for scene in scenes]
 
 
-def test_the_highest_place_is_bottom_dead_centre_everywhere(
-    both: list[pw.Result],
-):
+def test_the_highest_place_is_bottom_dead_centre_everywhere(both):
     scenes = [result.scene for result in both]
     # Rod and crank in line, farthest from the axis.
     for scene in scenes:
@@ -76,7 +74,7 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(
         assert end(heights[0]) == pytest.approx(end(heights[1]), abs=1e-6)
 
 
-def test_what_is_pushed_away_from_the_work_rises(both: list[pw.Result]):
+def test_what_is_pushed_away_from_the_work_rises(both):
     loose = [result.scene.linkage() for result in both]
     total = [pw.statics.total_clearance(linkage, force=100.0) for linkage in loose]
     rise = [pw.statics.deflection(linkage, force=50.0, idle=-10.0) for linkage in loose]

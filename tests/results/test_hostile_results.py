@@ -26,7 +26,7 @@ FILM = "film-0.npz"
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "out"
     settings: dict[str, Any] = {
         "cycles": 2,
@@ -40,7 +40,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def received(whole: Path, tmp_path: Path) -> Path:
+def received(whole, tmp_path):
     return Path(shutil.copytree(whole, tmp_path / "received"))
 
 
@@ -211,9 +211,7 @@ def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received):
         pw.load(received)
 
 
-def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(
-    received,
-):
+def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(received):
     """A cycle takes memory, so that a late time would take all of it."""
     arrays = arrays_of(received, STAGE)
     for name, value, message in (

@@ -33,15 +33,6 @@ def test_thick_oil_carries_more_than_thin_oil_and_none_carries_in_a_wide_clearan
     assert oil_films(oiled("51 um", "0.1 Pa s")) == {}
 
 
-def test_roughness_of_a_film_is_that_of_both_surfaces():
-    """Variances of the heights of two equally rough surfaces add up."""
-    scene = pw.scenes.slider_crank(
-        clearance="20 um", viscosity="0.1 Pa s", roughness="0.4 um"
-    )
-    (film,) = oil_films(scene).values()
-    assert film.roughness == pytest.approx(math.hypot(0.4e-6, 0.4e-6), rel=1e-12)
-
-
 def test_least_film_of_the_press_of_250_kn():
     """An independent computation has 20.0 and 12.1 um, and 5.4 and 2.3 um in thinner oil."""
     file = pw.scene_from(SCENARIOS / "press-250kN.toml")

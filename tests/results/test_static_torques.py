@@ -2,17 +2,13 @@
 
 import math
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.linkage.drives import Drive, GearedDrive
-from presswear.linkage.linkage import Linkage
-from presswear.physics.assembly import assembled
-from presswear.physics.ideal import Motion
+from presswear.linkage.drives import GearedDrive
 from presswear.results.rigid_joints import static_torques
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import STATIC, drive_numbers
@@ -61,45 +57,6 @@ def test_forces_of_two_cylinders_under_the_work():
         expected = force * abs(math.cos(direction - 0.9))
         assert torques[body] == pytest.approx(expected, rel=1e-5)
     assert torques["arm"] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_torques_of_a_hybrid_press_under_the_work():
-    """The way of the slide for a small turn of each crank alone, from assembled positions."""
-    scene = pw.scenes.press_hybrid(process=pw.Coining(stiffness=1e6, height=3e-4))
-    linkage = scene.base_linkage
-    time = scene.run_up + np.linspace(0.0, scene.mechanism.period, 720, endpoint=False)
-    motion = scene.ideal.at(time)
-    height = motion.output(linkage)[:, 0]
-    force = 1e6 * np.maximum(scene.bottom + 3e-4 - height, 0.0)
-    expected = {drive.body: 0.0 for drive in linkage.drives}
-    for k in np.flatnonzero(force):
-        for body in expected:
-            ends = (
-                _height_with(linkage, motion.position[k], {body: sign * 1e-5})
-                for sign in (1.0, -1.0)
-            )
-            slope = (next(ends) - next(ends)) / 2e-5
-            expected[body] = max(expected[body], abs(force[k] * slope))
-    assert expected["crank 7"] > 1e-3
-    assert static_torques(scene) == pytest.approx(expected, rel=1e-5)
-
-
-def _height_with(linkage: Linkage, position: Array, turns: dict[str, float]) -> float:
-    """Return the output at rest, m, where cranks are turned from a position of all bodies."""
-    angles = {
-        body.name: float(position[3 * k + 2]) for k, body in enumerate(linkage.bodies)
-    }
-    still = [
-        Drive(one.body, angle=angles[one.body] + turns.get(one.body, 0.0))
-        for one in linkage.drives
-    ]
-    guess = {name: angle for name, angle in angles.items() if name not in turns}
-    linkage = replace(
-        linkage, drives=tuple(still), guess=tuple(guess.items()), cycle=1.0
-    )
-    place = assembled(linkage).reshape(1, -1)
-    zero = np.zeros_like(place)
-    return float(Motion(np.zeros(1), place, zero, zero).output(linkage)[0, 0])
 
 
 @pytest.mark.parametrize("is_geared", [False, True])

@@ -37,7 +37,7 @@ IDEAL = replace(pw.scenes.ideal(), process=SHEET, engine="dae", cycles=4)
 
 
 @pytest.fixture(scope="module")
-def ideal() -> pw.Result:
+def ideal():
     return pw.run(IDEAL)
 
 
@@ -66,7 +66,7 @@ def force_at(depth: Array, velocity: Array) -> Array:
     )
 
 
-def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result):
+def test_the_ideal_press_gives_a_part_its_force_and_work(ideal):
     stage = ideal.stages[0]
     height = ideal.height(0)
     force = np.asarray(ideal.process_force(0))
@@ -93,7 +93,7 @@ def test_the_ideal_press_gives_a_part_its_force_and_work(ideal: pw.Result):
     assert tonnage.vibration_after.mean < 1e-6 * stage.acceleration.std()
 
 
-def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result):
+def test_ideal_drives_are_those_of_virtual_work(ideal):
     """Numbers of each drive by Simpson's rule over the smooth pieces of the closed form."""
 
     def passes(height: float, begin: float, end: float) -> float:
@@ -165,22 +165,7 @@ def test_ideal_peaks_include_work_that_is_shorter_than_a_piece():
         pw.changed(scene, {"torque_limit": 0.999 * greatest}).check()
 
 
-@pytest.mark.parametrize("run_up", [0, 2])
-def test_ideal_forces_are_those_of_the_second_cycle_after_the_run_up(
-    run_up,
-):
-    """The work of the first cycle may start within its stroke."""
-    scene = replace(IDEAL, mechanism=replace(PRESS, run_up=run_up))
-    time, forces = ideal_forces(scene)
-    assert scene.run_up >= run_up * PERIOD
-    assert time[0] == pytest.approx(scene.run_up + PERIOD, rel=1e-12)
-    assert 0.0 < scene.run_up + 2.0 * PERIOD - time[-1] <= PERIOD / 720.0 * (1.0 + 1e-9)
-    assert {force.shape for force in forces.values()} == {time.shape}
-
-
-def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
-    ideal: pw.Result,
-):
+def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal):
     strokes = sampled_strokes(IDEAL, ideal.stages[0])
     moments = ideal.strokes(0)
     # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk /
@@ -197,9 +182,7 @@ def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(
 @pytest.mark.parametrize(
     "engine", ["dae", pytest.param("exudyn-tree", marks=pytest.mark.slow)]
 )
-def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(
-    engine,
-):
+def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine):
     """The force over the recorded height, and the work that the engine summed step by step."""
     short: dict[str, Any] = {
         "engine": engine,

@@ -1,8 +1,6 @@
 """Source code of user laws that a result stores is executed only on request."""
 
 import json
-import subprocess
-from pathlib import Path
 
 import pytest
 from python_process import python
@@ -37,7 +35,7 @@ replicates = 1"""
 
 
 @pytest.fixture(scope="module")
-def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def received(tmp_path_factory):
     """A folder with results whose laws write the file ``executed`` when they are executed."""
     folder = tmp_path_factory.mktemp("received")
     marker = folder / "executed"
@@ -92,7 +90,7 @@ assert Path("executed").exists()
 
 
 @pytest.fixture(scope="module")
-def done(received: Path) -> "subprocess.CompletedProcess[str]":
+def done(received):
     """Read the results in a process that trusts nothing yet, and trust them at last."""
     done = python("-c", READING, cwd=received)
     assert done.returncode == 0, done.stderr
