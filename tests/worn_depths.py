@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
+from two_bodies import Pair
 
 from presswear.linkage.surface import Surface
+from presswear.physics.contact import direction_of
 from presswear.physics.worn_map import parts_of
+from presswear.tools.arrays import Array
 
 TURN = 2.0 * math.pi
 
@@ -37,3 +40,26 @@ def depths(
         angles = (place + at) % TURN
         found.append(CubicHermiteSpline(at, curve(angles), curve(angles, 1)))
     return found[0], found[1]
+
+
+def fine_overlaps(pair: Pair, count: int) -> list[Array]:
+    """Return the overlap of a contact on the maps of bearing and pin, each (count, 400).
+
+    Each of the ``count`` bins of a map is a row of 400 equal parts.
+    """
+    joint = pair.joint
+    contact = pair.contact()
+    direction = direction_of(contact)
+    places = direction - float(joint.map_frame == "body") * pair.q[[2, 5]]
+    surfaces = joint.bearing_surface, joint.pin_surface
+    if not joint.pin_surface.is_worn:
+        surfaces = Surface(np.zeros(count)), Surface(np.zeros(count))
+    bearing, pin = depths(*surfaces, *places)
+    fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
+    overlaps = []
+    for place in places:
+        angle = np.remainder(fine - place + math.pi, TURN) - math.pi
+        gap = joint.clearance + bearing(angle) + pin(angle)
+        overlap = np.maximum(contact.eccentricity * np.cos(angle) - gap, 0.0)
+        overlaps.append(overlap.reshape(count, 400))
+    return overlaps

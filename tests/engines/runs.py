@@ -18,8 +18,9 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.equations.function import model_of
 from presswear.physics.equations.writer import write_body_forces
-from presswear.physics.packed import pack
+from presswear.physics.packed import mass_of, pack
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
 
 
 def run_scene(
@@ -86,6 +87,13 @@ def compare_engines(
     expected, work = (float(runs[k].diagnostics["drive_work_J"]) for k in (0, -1))
     assert work == pytest.approx(expected, rel=joints[2])
     return runs
+
+
+def momenta(linkage: Linkage, state: Start) -> Array:
+    """Return linear momentum (2) and angular momentum about the origin."""
+    x, y, _ = state.position.reshape(-1, 3).T
+    px, py, spin = (mass_of(linkage) * state.velocity).reshape(-1, 3).T
+    return np.array([px.sum(), py.sum(), np.sum(x * py - y * px + spin)])
 
 
 def step_response(omega: float, ratio: float, time: float) -> float:

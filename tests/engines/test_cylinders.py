@@ -1,6 +1,5 @@
 """Drives along guides on moving bodies: closed forms, energy, all engines, and messages."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -28,11 +27,10 @@ import presswear as pw
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
-from presswear.linkage.linkage import Linkage, linkage_from
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
-from presswear.results.export import table_of
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
@@ -89,53 +87,6 @@ def test_force_has_the_power_of_the_motion(make: Callable[..., Linkage], is_reve
     assert_allclose(force[:, 0] * speed, power, atol=allowed)
 
 
-def test_force_of_a_light_cylinder():
-    """By virtual work the force is (I_O phi'' + m g x_C) phi' / L'.
-
-    The law of cosines gives phi' / L' = L / (r d sin phi).
-    """
-    linkage = boom()
-    cylinder = linkage.bodies[:2]
-    light = [replace(body, mass=1e-9, inertia=1e-12) for body in cylinder]
-    linkage = linkage.changed(bodies=[*light, linkage.bodies[2]])
-    motion, force = _motion_of(linkage)
-    angle, _, angular_acceleration = _law_of_cosines(motion.time)
-    length = np.sqrt(BOOM**2 + BASE**2 - 2.0 * BOOM * BASE * np.cos(angle))
-    mass = 20.0
-    centre = 0.3  # distance of the mass centre of the boom from its pivot, m
-    inertia = 1.5 + mass * centre**2
-    moment = inertia * angular_acceleration
-    moment += mass * linkage.gravity * centre * np.cos(angle)
-    expected = moment * length / (BOOM * BASE * np.sin(angle))
-    assert_allclose(force[:, 0], expected, atol=1e-5)
-
-
-def test_forces_of_a_table():
-    """The force of a drive accelerates the saddle, 40 kg, or the table on it, 25 kg.
-
-    Each of them moves relative to its support by the harmonics of ``slotted.table``.
-    """
-    whole = table()
-    linkage = whole.changed(
-        bodies=whole.bodies[:2], joints=whole.guides, drives=whole.drives[:2]
-    )
-    motion, force = _motion_of(linkage)
-    phase = SPEED * motion.time
-    sine, cosine, twice = np.sin(phase), np.cos(phase), np.sin(2.0 * phase)
-    x_rate = -0.06 * SPEED**2 * sine
-    y_rate = -(SPEED**2) * (0.01 * cosine + 0.02 * sine + 4.0 * 0.01 * twice)
-    along_x = np.array([math.cos(0.2), math.sin(0.2)])
-    # The saddle stands at 0.3 rad, and the upper guide at 1.9 rad on the saddle.
-    angle = 0.3 + 1.9
-    along_y = np.array([math.cos(angle), math.sin(angle)])
-    weight = np.array([0.0, linkage.gravity])
-    of_saddle = np.outer(x_rate, along_x) + weight
-    of_table = of_saddle + np.outer(y_rate, along_y)
-    assert_allclose(force[:, 1], 25.0 * of_table @ along_y, atol=1e-8)
-    both = 40.0 * of_saddle + 25.0 * of_table
-    assert_allclose(force[:, 0], both @ along_x, atol=1e-8)
-
-
 @pytest.mark.parametrize(
     ("joints", "is_reversed"),
     [
@@ -184,26 +135,6 @@ def test_cylinder_at_rest_is_a_strut():
     barrel, piston, *others = linkage.bodies
     with pytest.raises(InputError, match=r"inertia of piston = 0 kg m\^2: must be"):
         linkage.changed(bodies=[barrel, replace(piston, inertia=0.0), *others])
-
-
-def test_results_have_distance_and_force_of_the_cylinder(tmp_path):
-    scene = _scene(boom_press(is_reversed=True), joints="B", cycles=2, replicates=1)
-    scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
-    result = pw.run(scene, tmp_path / "result")
-    columns = table_of(result, 0)
-    phase = SPEED * columns["time"]
-    place = 0.15 + STROKE * np.sin(phase)
-    assert_allclose(columns["barrel_distance"], place, atol=1e-12)
-    speed = STROKE * SPEED * np.cos(phase)
-    assert_allclose(columns["barrel_velocity"], speed, atol=1e-11)
-    power = columns["barrel_drive_force"] * speed
-    assert_allclose(columns["barrel_power"], power, rtol=1e-9, atol=1e-6)
-    assert "Peak drive force" in result.report().read_text(encoding="utf-8")
-
-
-def test_a_linear_drive_is_stored_and_read_back():
-    linkage = boom_press()
-    assert linkage_from(linkage.as_plain(), "mechanism") == linkage
 
 
 def test_cylinder_out_of_reach_is_refused_with_its_place():

@@ -102,17 +102,6 @@ def test_projection_holds_the_constraints_without_baumgarte():
     assert errors[1] > 1e4 * errors[0]
 
 
-@pytest.mark.slow
-def test_no_drift_over_200_cycles():
-    scene = ideal()
-    run = InHouse().simulate(
-        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 200)
-    )
-    assert float(run.diagnostics["constraint_error_m"]) < 1e-11
-    exact = scene.ideal.at(np.array([run.time])).position[0]
-    assert np.abs(run.end.position - exact).max() < 1e-9
-
-
 def test_a_start_that_violates_a_joint_is_refused_by_name():
     scene = ideal()
     start = start_of(scene)

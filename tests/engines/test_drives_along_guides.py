@@ -14,7 +14,7 @@ import presswear as pw
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import Guide
-from presswear.linkage.linkage import Linkage, assemble, linkage_from
+from presswear.linkage.linkage import Linkage, assemble
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of, unit_of
@@ -95,15 +95,6 @@ def test_results_have_the_units_of_a_force(tmp_path):
     assert "Peak drive torque" not in report
 
 
-def test_it_is_stored_and_read_back():
-    linkage = cylinder()
-    plain = linkage.as_plain()
-    assert plain["drives"][0]["along"] == "bore"
-    again = linkage_from(plain, "mechanism")
-    assert again == linkage
-    assert isinstance(again.drives[0], LinearDrive)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -127,14 +118,6 @@ def test_wrong_drives_are_refused_by_name(changes, message):
     values |= {"frequency": SPEED, "harmonics": [(0.0, 0.04)]} | changes
     with pytest.raises(InputError, match=message):
         linkage.changed(drives=[LinearDrive(**values)])
-
-
-def test_guide_with_clearance_is_refused():
-    ways = Guide("ways", "slide", length=0.3, width=0.2)
-    held = LinearDrive("slide", along="ways", frequency=6.0, harmonics=[(0.0, 0.1)])
-    linkage = assemble([Body("slide", 3.0)], [ways], [held])
-    with pytest.raises(InputError, match="bearings of ways: slide has a drive"):
-        Scene(linkage, joints="ways", bearings=BEARING)
 
 
 def test_cycle_includes_a_drive_along_a_guide():

@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from runs import residual, run_scene
+from runs import momenta, residual, run_scene
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import Attachment
-from presswear.physics.packed import mass_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.conventions import CONVENTIONS
 from presswear.validation import reference_problems as references
@@ -29,13 +27,6 @@ def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
 def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
     accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
     return accuracy.simulate(linkage, start, Plan(duration, 1))
-
-
-def momenta(linkage: Linkage, state: Start) -> NDArray[np.float64]:
-    """Linear momentum (2) and angular momentum about the origin."""
-    x, y, _ = state.position.reshape(-1, 3).T
-    px, py, spin = (mass_of(linkage) * state.velocity).reshape(-1, 3).T
-    return np.array([px.sum(), py.sum(), np.sum(x * py - y * px + spin)])
 
 
 def free_pair(

@@ -2,7 +2,6 @@
 
 from functools import partial
 
-import numpy as np
 import pytest
 from marks import slow_in
 from runs import compare_engines, run_scene
@@ -10,7 +9,6 @@ from slotted import (
     RADIUS,
     SPEED,
     YOKE_MASS,
-    quick_return,
     scotch_yoke,
     shaper,
     skew_quick_return,
@@ -46,16 +44,6 @@ def test_engines_agree_and_keep_the_energy(name):
     mechanism, joints = SCENES[name]
     scene = _scene(mechanism.changed(gravity=9.81), joints=joints)
     compare_engines(scene, DURATION, joints=(1e-6, 1e-5, 3e-4))
-
-
-def test_a_quick_return_without_clearance():
-    """The engines for linkages with loops follow the ideal motion."""
-    scene = _scene(quick_return(), joints="none")
-    duration = 0.7 * scene.mechanism.period
-    expected = scene.ideal.at(np.array([duration])).position[0]
-    for engine in (InHouse(), ExudynJoints()):
-        end = run_scene(scene, engine, duration).end.position
-        assert np.abs(end - expected).max() < 1e-7
 
 
 def test_a_slot_on_a_driven_body_is_explained():

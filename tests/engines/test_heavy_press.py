@@ -7,9 +7,6 @@ import pytest
 from marks import slow
 
 import presswear as pw
-from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan
-from presswear.engines.settings import ExudynTree, InHouse
 from presswear.results.motor_load import leader_speed, motor_loads
 from presswear.scene.files import scene_from
 from presswear.scene.settings import changed
@@ -20,14 +17,6 @@ REAL = scene_from(FILE)
 SCENE = changed(REAL, {"motor": "none", "servo": "none", "frame_stiffness": "none"})
 """Rigid, with both cranks at constant speed."""
 ENGINES = "exudyn-tree", "dae"
-STOP = {
-    "process": "coining",
-    "process.stiffness": "4e8 N/m",
-    "process.height": "0.6 mm",
-}
-"""A stop under the first stroke, within the horizon; a sheet comes with the second."""
-UNTIL = 0.105
-"""s; bottom dead centre, where the stop bears most."""
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -47,25 +36,6 @@ def test_pins_bear_a_load_of_a_hundred_weights_and_energies_add_up(engine):
     assert 0.9 < deep["C"] / SCENE.bearing("C").clearance < 1.1
     assert 0.4 < deep["A"] / SCENE.bearing("A").clearance < 0.8
     assert str(result).count("The stiffness is that of small contacts") == 1
-
-
-@pytest.mark.slow
-def test_both_engines_press_pins_as_deep_into_their_bearings():
-    """Up to the greatest force, through the touches before it; rows of a series cut its top."""
-    finest = ExudynTree(tree_tolerance=1e-11), InHouse(integration_tolerance=1e-12)
-    scene = changed(SCENE, STOP)
-    start = start_of(scene)
-    plan = Plan(UNTIL, 1, recorded_cycles=1)
-    one, other = (engine.simulate(scene.linkage(), start, plan) for engine in finest)
-    assert one.end.position == pytest.approx(other.end.position, abs=1e-9)
-    for k, least in enumerate((100e3, 180e3)):
-        deepest, peak = (
-            [float(run.recorder.series(name, k).max()) for run in (one, other)]
-            for name in ("penetration", "normal")
-        )
-        assert peak[0] > least
-        assert peak[0] == pytest.approx(peak[1], rel=1e-3)
-        assert deepest[0] == pytest.approx(deepest[1], rel=1e-3)
 
 
 @cache
@@ -92,14 +62,3 @@ def test_the_flywheel_delivers_the_work_and_the_motor_settles(engine):
     assert REAL.process is not None
     assert motor.work.mean > 1.2 * REAL.process.work
     assert not motor.is_overloaded
-
-
-@pytest.mark.slow
-def test_both_engines_stretch_the_frame_as_far():
-    """By more than the force over k, because the crown swings; impacts are chaotic."""
-    loads = [real_press(engine).frame_loads(0)["frame"] for engine in ENGINES]
-    stretches = [load.stretch.mean for load in loads if load.stretch]
-    forces = [load.force.mean for load in loads if load.force]
-    assert len(stretches) == len(forces) == 2
-    assert stretches[0] == pytest.approx(stretches[1], rel=1e-2)
-    assert all(1.0 < force / 225e3 < 1.2 for force in forces)

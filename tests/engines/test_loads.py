@@ -345,32 +345,6 @@ def test_a_function_of_ones_own_is_a_load(engine: Engine, within):
     assert along(ran, linkage) == pytest.approx(tuple(exact), abs=within)
 
 
-def brake(time: float, position: float, speed: float) -> float:
-    return 0.75 - 4.25 * math.tanh(speed / 1e-3)
-
-
-@pytest.mark.parametrize(
-    "engine",
-    [
-        InHouse(),
-        ExudynTree(tree_tolerance=1e-9, free_step=FREE),
-        ExudynJoints(50, 10, free_step=3e-4, newton=1e-10),
-    ],
-    ids=["dae", "exudyn-tree", "exudyn-joints"],
-)
-def test_a_brake_that_changes_over_a_millimetre_a_second_stops_a_mass(
-    engine: Engine,
-):
-    """-3.5 N above zero speed and 5 N below hold 1 kg from 2/7 s on at 1/7 m, up to the creep."""
-    check_load("law", UserFunction.read("law", brake))
-    linkage = guided(brake)
-    place, speed = along(run(engine, linkage, 0.0, 1.0, 0.5), linkage)
-    creep = 1e-3 * math.atanh(0.75 / 4.25)
-    assert speed == pytest.approx(creep, rel=1e-2)
-    # The tail of tanh adds less than 1 mm/s times the time.
-    assert place == pytest.approx(1.0 / 7.0, abs=1e-3 * 0.5)
-
-
 @pytest.mark.parametrize(
     ("body", "words"),
     [

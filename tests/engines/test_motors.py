@@ -193,17 +193,6 @@ def test_a_press_with_a_flywheel(engine: Engine):
     assert abs(float(turn.diagnostics["energy_residual_J"])) < 10.0 * within(engine)
 
 
-def test_least_speed_of_a_press_in_its_third_turn():
-    """M2 from the nominal speed: the least speed at the ends of steps of up to 2 ms.
-
-    It is 7e-8 of the speed above that of the reference; with steps of 5 us it is 5e-8 below it.
-    """
-    scene = pw.Scene(upright_press(LINE), process=SHEET, cycles=3)
-    run = from_the_top(InHouse(integration_tolerance=1e-10), scene, 1.0, 3)
-    least = run.recorder.each_cycle("leader_speed_min")[2]
-    assert least == pytest.approx(6.1626362685, rel=1e-7)
-
-
 def test_a_press_starts_at_its_settled_speed():
     """Mean torque 137.5 J / 2 pi; the turns behind the first last equally long."""
     scene = pw.Scene(upright_press(LINE), process=SHEET, cycles=3)
@@ -215,13 +204,6 @@ def test_a_press_starts_at_its_settled_speed():
     first, second, third = run.recorder.each_cycle("duration")
     assert first == pytest.approx(1.0 / settled, rel=3e-3)
     assert third == pytest.approx(second, rel=1e-5)
-
-
-def test_a_press_without_a_flywheel():
-    """Three turns of the second simulator: the motor alone carries the work."""
-    motor = pw.Motor(20.0, slip=0.08, breakdown=None, ratio=24)
-    run = pressed(InHouse(integration_tolerance=1e-10), 3.0, motor)
-    assert run.time == pytest.approx(3.0158635225071, rel=1e-9)
 
 
 STALLED_AT, STALLED_IN = 243.2832512595, 0.4600432550  # degrees and mm in the work

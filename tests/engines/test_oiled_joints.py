@@ -99,13 +99,6 @@ def test_a_dwell_squeezes_the_oil_out(engine: Engine):
     assert film.size / 20e3 * number == pytest.approx(2.0, rel=1e-4)
 
 
-def test_pin_starts_on_its_film():
-    run = loaded(20e3 + 0.0j, 0.0, 1e-3, 1e12, start=0.8 * CLEARANCE + 0.0j)
-    assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.8, abs=1e-2)
-    # A load that begins at once overshoots, by less than twice.
-    assert run.recorder.records.counters["peak_force"][0] < 3.0 * 20e3
-
-
 def test_pin_falls_through_oil_of_hardly_any_viscosity():
     """Through air the pin meets the bearing after sqrt(2 c m / F) with K delta^1.5."""
     fall = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3)

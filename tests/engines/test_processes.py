@@ -99,20 +99,6 @@ def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine):
     check_work(stage, process, exact, BOTTOM, strokes=strokes)
 
 
-@pytest.mark.slow
-def test_work_of_an_elastic_load_needs_no_short_steps():
-    """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
-    scene = pw.scenes.press_blanking(
-        wear_updates=0, replicates=1, cycles=1, steps_per_contact=50
-    )
-    diagnostics = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
-    assert scene.process is not None
-    exchange = float(diagnostics["drive_exchange_J"] or 0.0)
-    assert -float(diagnostics["load_work_J"] or 0.0) == pytest.approx(
-        scene.process.work, abs=1e-7 * exchange
-    )
-
-
 @pytest.mark.parametrize(
     ("engine", "name"), [("exudyn-tree", "press_blanking"), ("dae", "press_drawing")]
 )

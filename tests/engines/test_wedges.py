@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from marks import slow
 from runs import residual, run_scene
-from slotted import RADIUS, SPEED
+from slotted import SPEED
 
 import presswear as pw
 from presswear.engines.settings import ExudynJoints, InHouse
@@ -16,7 +15,6 @@ from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.topology import prescribed_of
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.scene.bearing import Bearing
@@ -47,22 +45,6 @@ def wedge() -> Linkage:
         drives=[ALONG, Drive("arm", 2.0 * SPEED)],
         output="slide",
         name="wedge",
-    )
-
-
-def wedge_on_crank() -> Linkage:
-    """Return a wedge that a crank moves, with a slide on it."""
-    return assemble(
-        bodies=[*BODIES, Bar("crank", RADIUS, 1.0), Bar("rod", 0.4, 1.5)],
-        joints=[
-            *GUIDES,
-            Pin("O", (-0.5, 0.0), "crank.tail"),
-            Pin("A", "crank.head", "rod.tail"),
-            Pin("B", "rod.head", "wedge"),
-        ],
-        drives=[Drive("crank", SPEED, 0.5)],
-        output="slide",
-        name="wedge on a crank",
     )
 
 
@@ -100,30 +82,10 @@ def test_wedge_lifts_its_slide():
     np.testing.assert_allclose(force, inertia - weight, atol=1e-8)
 
 
-def test_wedge_turns_with_its_carrier():
-    """In the axes of the crank the slide is where its line meets the face."""
-    linkage = turning_wedge()
-    assert prescribed_of(linkage) == {"crank", "wedge", "slide"}
-    ideal = ideal_motion(linkage, linkage.period)
-    time = np.linspace(0.0, linkage.period, 37)
-    motion = ideal.at(time)
-    distance = STROKE * np.sin(SPEED * time)
-    across = distance * math.cos(0.1)
-    above = 0.02 + distance * math.sin(0.1) + 0.1 - across * math.tan(SLOPE)
-    position = motion.position.reshape(37, 3, 3)
-    angle = position[:, 0, 2]
-    gap = position[:, 2, :2] - position[:, 0, :2]
-    along = gap[:, 0] * np.cos(angle) + gap[:, 1] * np.sin(angle)
-    np.testing.assert_allclose(along, 0.0, atol=1e-14)
-    beside = gap[:, 1] * np.cos(angle) - gap[:, 0] * np.sin(angle)
-    np.testing.assert_allclose(beside, above, atol=1e-14)
-
-
 @pytest.mark.parametrize(
     ("linkage", "joints"),
     [
         (wedge(), "E"),
-        slow(wedge_on_crank(), "A"),
         (turning_wedge(), "none"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,

@@ -9,6 +9,8 @@ import pytest
 from four_bar_linkage import FOUR_BAR
 from hypothesis import given
 from hypothesis import strategies as st
+from slotted import boom_press, geared_five_bar, quick_return
+from upright_press import upright_press
 
 from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.cycle import MAX_TURNS
@@ -19,6 +21,7 @@ from presswear.linkage.load_laws import Harmonics, OverPosition, OverTime
 from presswear.linkage.loads import Force, Load, Moment
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import MAX_PIECES, Rise
+from presswear.linkage.motor import Motor
 from presswear.linkage.points import GROUND, Attachment, OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.process import Blanking, Drawing
@@ -107,6 +110,14 @@ EVERY = [
     ),
     SliderCrank().linkage(),
     *(Press(geometry=geometry).linkage() for geometry in GEOMETRIES.values()),
+    quick_return(),
+    boom_press(),
+    geared_five_bar(motor=Motor(20.0, breakdown=None)),
+    upright_press(frame=Guide("frame", "crown", stiffness=1e9, damping=0.1)),
+    FOUR_BAR.changed(
+        joints=[Pin("O", (0, 0), "crank.tail", 1e7, 0.1), *FOUR_BAR.joints[1:]],
+        name="elastic pin",
+    ),
 ]
 
 

@@ -106,10 +106,8 @@ def test_drives_that_do_not_fit_a_motor_are_refused():
 
 
 def test_motors_are_stored_with_the_linkage():
-    line = pw.Motor(20.0, breakdown=None)
-    for motor in (INDUCTION, line):
-        linkage = two_cranks(motor, SERVO)
-        assert linkage_from(linkage.as_plain(), "file") == linkage
+    linkage = two_cranks(INDUCTION, SERVO)
+    assert linkage_from(linkage.as_plain(), "file") == linkage
     drive: Any = {"body": "crank", "speed": "60 spm", "motor": {"torque": "20 N m"}}
     assert pw.Drive(**drive).motor == pw.Motor(20.0)
 

@@ -9,19 +9,12 @@ from slotted import quick_return, scotch_yoke, swinging_block
 import presswear as pw
 from presswear.linkage.bodies import Body
 from presswear.linkage.joints import Guide, Pin
-from presswear.linkage.linkage import assemble, linkage_from
+from presswear.linkage.linkage import assemble
 from presswear.linkage.part_checks import start_angles
 from presswear.linkage.topology import branches_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.tools.serialize import make
-
-
-def test_a_slot_is_stored_and_read_back():
-    linkage = quick_return()
-    plain = linkage.as_plain()
-    assert plain["joints"][-1]["on"] == "rocker"
-    assert linkage_from(plain, "mechanism") == linkage
 
 
 def test_a_slot_leads_through_the_block_as_drawn():

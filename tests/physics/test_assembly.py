@@ -8,7 +8,6 @@ from closed_form import press_motion, slider_crank_motion
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from slotted import skew_quick_return
 
 from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
@@ -18,8 +17,6 @@ from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.points import OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.assembly import assembled
-from presswear.physics.constraint_rows import Rows
-from presswear.physics.constraints import constraints_of
 from presswear.physics.curve_following import motion_of
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.tools.errors import AssemblyError
@@ -109,29 +106,6 @@ def test_the_four_bar_moves_as_in_the_textbook():
     assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
     tip = CRANK * np.exp(1j * crank) + COUPLER * np.exp(1j * coupler)
     assert_allclose(tip, BASE + ROCKER * np.exp(1j * rocker), atol=1e-13)
-
-
-def test_rows_are_those_of_the_engines():
-    """Phi, its derivatives and its Jacobian, far from any assembled position."""
-    generator = np.random.default_rng(2)
-    slider_crank = SliderCrank(slide_angle=0.0).linkage()
-    for linkage in (Press().linkage(), slider_crank, four_bar(), skew_quick_return()):
-        rows = Rows(linkage)
-        constraints = constraints_of(linkage)
-        assert rows.names == constraints.names
-        q, v, a = generator.normal(size=(3, 5, rows.bodies, 3))
-        time = generator.uniform(0.0, 1.0, 5)
-        errors, rates, accelerations = rows.errors(time, q, v, a)
-        jacobian = rows.jacobian(q)
-        for k, t in enumerate(time):
-            phi, phi_t, gamma, dense = constraints.evaluate(
-                float(t), q[k].ravel(), v[k].ravel()
-            )
-            phi_tt = dense @ a[k].ravel() - gamma
-            assert_allclose(errors[k], phi, atol=1e-12)
-            assert_allclose(rates[k], phi_t, atol=1e-12)
-            assert_allclose(accelerations[k], phi_tt, atol=1e-12)
-            assert_allclose(jacobian[k], dense, atol=1e-15)
 
 
 def test_a_chain_of_four_bars_moves_with_the_first_group_by_group():

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,17 +16,12 @@ from two_bodies import (
 )
 
 from presswear.linkage.clearance_joint import ClearanceJoint
-from presswear.linkage.points import GROUND, Attachment
+from presswear.linkage.points import Attachment
 from presswear.physics.contact import direction_of
-from presswear.physics.friction_and_normal import (
-    ONSET_SPEED_FLOOR,
-)
 from presswear.tools.arrays import Array
 
 EPS = float(np.finfo(float).eps)
 NO_LOAD = (0.0,) * 6
-STIFFNESS = 1.25e10  # of JOINT, N/m^1.5
-DAMPING = 0.1425  # of JOINT: part of the elastic force at the closing speed
 
 joints = st.sampled_from([JOINT, worn_joint("fixed"), worn_joint("body")])
 directions = st.floats(-math.pi, math.pi)
@@ -133,33 +127,3 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint):
     assert math.isfinite(pair.penetration_acceleration(np.ones(6)))
     # An open joint with the closing speed of its last touchdown has no force either.
     assert placed(JOINT, -1e-9, 1.0, rates=v).load(0.7) == NO_LOAD
-
-
-def test_first_step_of_a_contact_is_damped_by_its_own_rate():
-    """The rate takes the place of a closing speed at touchdown that is still 0."""
-    pair = placed(JOINT, 1e-6, 0.0, rates=np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
-    assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
-    elastic = STIFFNESS * 1e-6**1.5
-
-    def force(ratio: float) -> Any:
-        return pytest.approx(elastic * (1.0 + DAMPING * ratio), rel=1e-8)
-
-    assert pair.load(0.0).normal == force(1.0)
-    assert pair.load(0.8).normal == force(0.5)
-    slow = pair.after(0.0)
-    slow.v[3] = 1e-9
-    assert slow.load(0.0).normal == force(1e-9 / ONSET_SPEED_FLOOR)
-
-
-@given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
-def test_a_bearing_on_the_frame_is_at_rest(penetration, direction, v):
-    on_frame = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
-    on_body = replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0))
-    two_bodies = placed(on_body, penetration, direction)
-    two_bodies.q[2] = 0.0
-    two_bodies.v[3:] = v[3:]
-    one_body = Pair(on_frame, two_bodies.q[3:], two_bodies.v[3:])
-    assert one_body.contact() == two_bodies.contact()
-    a = 100.0 * v[:3]
-    expected = two_bodies.penetration_acceleration(np.concatenate([np.zeros(3), a]))
-    assert one_body.penetration_acceleration(a) == expected

@@ -6,8 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from presswear.linkage.drives import Drive, Follow
 from presswear.linkage.linkage import Linkage
@@ -67,40 +65,6 @@ def test_the_press_recovers_the_motion_of_its_servo(drive: Drive, speed):
 
 DWELL = Press(servo=Dwell()).linkage()
 CRANK = SliderCrank(slide_angle=0.0).linkage()
-R = SliderCrank(slide_angle=0.0).crank_length
-ROD = SliderCrank().rod_length
-amplitudes = st.floats(-0.25, 0.25)
-
-
-@settings(max_examples=8)
-@given(
-    st.lists(st.tuples(amplitudes, amplitudes), min_size=1, max_size=3),
-    st.integers(0, 2),
-)
-def test_crank_follows_the_law_of_cosines(waves, run_up):
-    """cos a = (x^2 + r^2 - l^2) / (2 r x) for a slider at x that swings about a = 90 deg."""
-    scale = 0.3 * R
-    harmonics = [
-        (scale * a / (k + 1), scale * b / (k + 1)) for k, (a, b) in enumerate(waves)
-    ]
-    drive = Drive(
-        "crank",
-        0.0,
-        0.5 * math.pi,
-        20.0,
-        follow=Follow("slider.centre", 0.0, harmonics),
-    )
-    linkage = CRANK.changed(
-        drives=[drive], run_up=run_up, guess={"rod": -math.asin(R / ROD)}
-    )
-    solution = followed(linkage)
-    time = np.linspace(0.0, linkage.period, 300)
-    x = np.full_like(time, math.sqrt(ROD**2 - R**2))
-    for k, (a, b) in enumerate(harmonics, start=1):
-        x += a * (np.cos(20.0 * k * time) - 1.0) + b * np.sin(20.0 * k * time)
-    exact = np.arccos((x**2 + R**2 - ROD**2) / (2.0 * R * x))
-    assert np.abs(solution.drives[0].motion(time)[0] - exact).max() < 1e-8
-    assert solution.run_up == run_up
 
 
 def test_at_a_dead_point_the_motion_is_kept_that_goes_on_smoothly():

@@ -12,7 +12,6 @@ from presswear.linkage.bodies import Bar
 from presswear.linkage.drives import Drive
 from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.points import OutputPoint
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.curve_following import motion_of
@@ -53,25 +52,6 @@ def test_press_is_lowest_where_the_closed_form_stands(geometry):
     half = height.min() + 0.5 * np.ptp(height)
     for edge in (begin, end):
         assert abs(level(edge, 0) - half) < np.abs(speed).max() * press.period / 1440
-
-
-@pytest.mark.parametrize(
-    ("direction", "part", "sign"), [(0.0, 0.5, 1.0), (math.pi, 0.0, -1.0)]
-)
-def test_slider_crank_is_lowest_in_line(direction, part, sign):
-    """In the opposite direction the bottom falls on the boundary of two cycles."""
-    mechanism = SliderCrank(slide_angle=0.0)
-    linkage = mechanism.linkage().changed(output=OutputPoint("slider", direction))
-    bottom = bottom_of(motion_of(linkage))
-    assert bottom is not None
-    assert bottom.time == pytest.approx(
-        part * mechanism.period, abs=1e-12 * mechanism.period
-    )
-    height = sign * mechanism.rod_length - mechanism.crank_length
-    assert bottom.height == pytest.approx(height, abs=1e-15)
-    # The window lies on both sides.
-    begin, end = bottom.window
-    assert min(end - bottom.time, bottom.time - begin) > 0.1 * mechanism.period
 
 
 @pytest.mark.parametrize(

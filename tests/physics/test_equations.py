@@ -1,12 +1,8 @@
 """Written equations against multipliers of all constraints."""
 
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache, partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -355,21 +351,3 @@ def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(
         found.append(subject.run().copy())
     assert np.isfinite(found[0]).all()
     np.testing.assert_array_equal(found[0], found[1])
-
-
-def test_equations_run_without_compilation(tmp_path):
-    """With NUMBA_DISABLE_JIT=1, so that a debugger steps into every kernel."""
-    script = tmp_path / "plain.py"
-    names = ["press", "loads", "lugre", "user laws", "worn foundation"]
-    script.write_text(
-        "import sys\nimport numpy as np\nfrom test_equations import subject_of\n"
-        f"np.savez(sys.argv[1], **{{name: subject_of(name).run() for name in {names}}})\n"
-    )
-    tests = Path(__file__).parents[1]
-    path = os.pathsep.join(map(str, (tests.parent, tests, tests / "physics")))
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path}
-    stored = tmp_path / "plain.npz"
-    subprocess.run([sys.executable, script, stored], check=True, env=environment)
-    with np.load(stored) as plain:
-        for name in names:
-            near(plain[name], subject_of(name).run(is_compiled=True), 1e-10)

@@ -4,11 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from presswear.physics.oil_film import (
-    NO_DAMPING,
-    attitude,
     film_force,
     film_of,
     film_velocity,
@@ -31,39 +28,6 @@ def test_sommerfeld_numbers_are_those_of_tables(ratio):
     for eccentricity, number in TABLE[ratio].items():
         computed = eccentricity * rotation_slope(1.0 - eccentricity, ratio)
         assert computed == pytest.approx(number, rel=0.07)
-
-
-@pytest.mark.parametrize(
-    ("load", "wedge", "eccentricity", "angle"),
-    [
-        (2440.0, 6.28, 0.4917858209, 58.0543735),
-        (5000.0, -6.28, 0.6578239676, 45.775299),  # the load turns with the bearing
-    ],
-)
-def test_steady_films_agree_with_an_independent_program(
-    load, wedge, eccentricity, angle
-):
-    """The program solves the formulas of Butenschoen for the eccentricity under a load."""
-
-    def excess(gap: float) -> float:
-        return math.hypot(*film_force(gap, 0.0, wedge, BUSH)) - load
-
-    gap = brentq(excess, 0.1, 0.9, xtol=1e-14)
-    assert 1.0 - gap == pytest.approx(eccentricity, abs=1e-10)
-    assert math.degrees(attitude(gap, BUSH.width_ratio)) == pytest.approx(
-        angle, abs=5e-7
-    )
-
-
-def test_velocity_of_a_film_is_the_inverse_of_its_force():
-    random = np.random.default_rng(5)
-    for _ in range(500):
-        gap = 10.0 ** random.uniform(-9.0, 0.0)
-        rate, wedge = random.normal(size=2) * 10.0 ** random.uniform(-3.0, 3.0, 2)
-        force = film_force(gap, rate, wedge, BUSH)
-        closing, half_wedge = film_velocity(gap, *force, BUSH, NO_DAMPING)
-        same_force = film_force(gap, closing, 2.0 * half_wedge / (1.0 - gap), BUSH)
-        assert math.dist(same_force, force) < 1e-14 * math.hypot(*force)
 
 
 def test_film_and_parallel_dampers_add_up_to_the_force():

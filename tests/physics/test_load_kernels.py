@@ -245,9 +245,3 @@ def test_speed_and_acceleration_along_a_load_are_derivatives_of_its_position():
     assert speed == pytest.approx((after[0] - before[0]) / (2.0 * h), rel=1e-6)
     second = (after[0] - 2.0 * s + before[0]) / h**2
     assert acceleration == pytest.approx(second, rel=1e-5)
-
-
-def test_loads_with_a_law_are_no_weight():
-    linkage = assemble([BODY], loads=[Force("body", 0.0, 3.0)], cycle=1.0, gravity=0.0)
-    assert not pack(linkage).weight.any()
-    assert not pack(linkage.changed(loads=[])).loads.records.size

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_form import slider_crank_motion
 from four_bar_linkage import FOUR_BAR
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -19,7 +18,6 @@ from presswear.linkage.drives import Drive
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanisms import SliderCrank
 from presswear.linkage.motion_pieces import RISES, Rise
-from presswear.physics.curve_following import motion_of as ideal_of
 from presswear.physics.drive_motion import (
     break_after,
     drive_motion,
@@ -27,7 +25,6 @@ from presswear.physics.drive_motion import (
     motions_of,
     run_up_motion,
 )
-from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import State
@@ -82,16 +79,6 @@ SWINGING = Drive("crank", angle=0.5, frequency=40.0, harmonics=[(0.0, 0.8)])
 ROCKING = CRANK.linkage().changed(drives=[SWINGING])
 
 
-def test_the_slider_follows_a_crank_that_rocks():
-    time = np.linspace(0.0, ROCKING.period, 200)
-    motion = ideal_of(ROCKING).at(time)
-    turning = ROCKING.drives[0].motion(time)
-    exact = slider_crank_motion(CRANK, time, (turning[0], turning[1], turning[2]))
-    assert_allclose(motion.position, exact.position, atol=1e-14)
-    assert_allclose(motion.velocity, exact.velocity, atol=1e-12)
-    assert_allclose(motion.acceleration, exact.acceleration, atol=1e-10)
-
-
 INDEXING = Drive(
     "crank",
     30.0,
@@ -117,29 +104,14 @@ BOUNDS = [
     ("dae", "none", 1e-7),
     ("dae", "B", 1e-7),
     ("exudyn-tree", "B", 1e-7),
-    ("exudyn-joints", "B", 1e-5),
 ]
 
 
-# Equal steps with contacts take long: the trapezoidal rule has the other motions below.
-def _is_long(name: str, engine: str) -> bool:
-    return engine == "exudyn-joints" and name in ("four-bar", "slider-crank", "rises")
-
-
-@pytest.mark.parametrize(
-    ("engine", "joints", "bound", "name"),
-    [
-        pytest.param(
-            *case, name, marks=[pytest.mark.slow] if _is_long(name, case[0]) else []
-        )
-        for case in BOUNDS
-        for name in MOTIONS
-    ],
-)
+# The trapezoidal rule has all motions below.
+@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize(("engine", "joints", "bound"), BOUNDS)
 def test_engines_follow_an_uneven_drive(name, engine, joints, bound):
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
-    if (name, engine, joints) == ("table, run-up", "exudyn-joints", "B"):
-        pytest.skip("three cycles of contact at equal steps take long")
     scene = Scene(mechanism=MOTIONS[name], joints=joints, wear_updates=0, engine=engine)
     period = scene.mechanism.period
     plan = Plan(period, 1, run_up=scene.run_up)
@@ -267,29 +239,6 @@ def test_no_engine_loses_its_order_at_the_breaks_of_a_motion():
     ]
     assert np.log2(tree[0] / tree[1]) > 4.2
     assert error(InHouse(integration_tolerance=1e6, free_step=period / 74)) < 1e-11
-
-
-@pytest.mark.parametrize(
-    "scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"]
-)
-def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene):
-    """No worse than it says, and no better than ``at`` is needed for."""
-    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
-    near = scene.ideal.at(time, closed=False)
-    exact = scene.ideal.at(time)
-    output = 3 * scene.base_linkage.index(scene.base_linkage.output.body)
-    for level, within in (
-        ("position", 1e-14),
-        ("velocity", 1e-11),
-        ("acceleration", 1e-8),
-    ):
-        one = getattr(near, level)
-        others = getattr(exact, level)
-        error = (
-            np.abs(one - others[:, output : output + 3]).max() / np.abs(others).max()
-        )
-        assert error < within
-    assert error > 1e-12
 
 
 @pytest.mark.parametrize(

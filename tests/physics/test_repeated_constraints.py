@@ -131,14 +131,6 @@ def settled_forces(linkage: Linkage, engine: str) -> list[float]:
     return means
 
 
-@pytest.mark.parametrize("engine", ["dae", slow("exudyn-tree")])
-def test_rods_of_a_guided_slide_with_clearance_carry_the_load(engine):
-    press = pw.TwoPoint(speed=SLOW).linkage()
-    forces = settled_forces(press.changed(loads=[pw.Load("slider", y=FORCE)]), engine)
-    assert sum(forces) == pytest.approx(FORCE - 500.0 * press.gravity, rel=1e-3)
-    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
-
-
 def test_rods_of_a_turning_slide_share_an_off_centre_force_as_moments_say():
     forces = settled_forces(with_shoe(0.2), "dae")
     total = FORCE - 500.0 * 9.81

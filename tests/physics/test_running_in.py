@@ -16,17 +16,6 @@ from presswear.tools.errors import InputError
 NEW = np.zeros(1)
 
 
-@pytest.mark.parametrize(
-    ("distance", "depth"), [(10.0, 7.186731925e-7), (1000.0, 1.230254423e-5)]
-)
-def test_depths_are_those_of_an_independent_program(distance, depth):
-    """K_0 = 1e-14 1/Pa, K_inf = 1e-15 1/Pa, h_0 = 1 um, 10 MPa."""
-    law = RunningIn(ratio=10.0, depth=1e-6)
-    archard = np.array([1e-15 * 10e6 * distance])
-    assert law.worn(NEW, archard) == pytest.approx(depth, rel=1e-9)
-    assert law.archard_depth(np.array([depth])) == pytest.approx(archard, rel=1e-9)
-
-
 @pytest.mark.parametrize("ratio", [0.05, 0.5, 1.0, 3.0, 1000.0])
 def test_depth_is_the_solution_of_the_equation_in_any_number_of_blocks(
     ratio,
@@ -45,12 +34,6 @@ def test_depth_is_the_solution_of_the_equation_in_any_number_of_blocks(
             depth = depth + law.worn(depth, np.array([archard / blocks]))
         assert depth == pytest.approx(expected, rel=1e-9)
         assert law.archard_depth(depth) == pytest.approx(archard, rel=1e-9)
-
-
-def test_late_wear_is_parallel_to_archards_law():
-    law = RunningIn(30.0, 1e-6)
-    ahead = law.worn(NEW, np.array([1e-4])) - 1e-4
-    assert ahead == pytest.approx(law.depth * np.log(30.0), rel=1e-12)
 
 
 def test_bumps_wear_as_new_surfaces():

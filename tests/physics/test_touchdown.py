@@ -177,20 +177,6 @@ def test_step_ends_just_after_a_touchdown(gap, speed, push):
     assert line.shorter_step(h, x, end_speed) == -1.0
 
 
-def test_a_step_past_a_touchdown_is_repeated_up_to_it():
-    speed = 1.0
-    gap = 2e-5
-    push = 500.0
-    line = _Line(push).start(LINE.clearance - gap, speed)
-    touchdown = (math.sqrt(speed**2 + 2.0 * push * gap) - speed) / push
-    closing = speed + push * touchdown
-    shorter = line.shorter_step(FREE_STEP, *line.free_flight(FREE_STEP))
-    in_contact = contact_step(line.packed.joints[0], 0.0, closing, STEPS_PER_CONTACT)
-    # Free flight is a parabola: the cubic is exact.
-    assert shorter == pytest.approx(touchdown + LANDING * in_contact, rel=1e-9)
-    assert line.shorter_step(shorter, *line.free_flight(shorter)) == -1.0
-
-
 def test_a_step_over_a_whole_contact_is_repeated_into_it():
     deceleration = 4e4
     gap = 1e-5

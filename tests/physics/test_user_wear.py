@@ -9,15 +9,11 @@ from bush import COEFFICIENT, bush, worn
 from marks import slow
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
-from two_bodies import JOINT, placed, worn_joint
 
 import presswear as pw
-from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.materials import Materials
 from presswear.linkage.wear_law import WearLaw
-from presswear.physics.running_in import RunningIn
-from presswear.physics.user_wear import UserWear, deposit_by_law
-from presswear.physics.wear import deposit_over_arc
+from presswear.physics.user_wear import UserWear
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
@@ -84,22 +80,6 @@ def test_a_constant_law_is_archards_to_the_bit():
         assert_array_equal(user_wear(name).archard_depth(depth), depth)
 
 
-def test_a_law_of_the_depth_is_the_built_in_one():
-    built_in = RunningIn(30.0, 0.7e-6)
-    ours = user_wear("fading")
-    archard = both_sides(*np.geomspace(1e-12, 1e-3, 20))
-    for before in (-1e-6, 0.0, 1e-7, 2e-6):
-        depth = np.full_like(archard, before)
-        assert_allclose(
-            ours.worn(depth, archard), built_in.worn(depth, archard), rtol=1e-12
-        )
-    depth = both_sides(*np.geomspace(1e-9, 1e-4, 20))
-    assert_allclose(
-        ours.archard_depth(depth), built_in.archard_depth(depth), rtol=1e-12
-    )
-    assert ours.ratio == pytest.approx(30.0, rel=1e-15)
-
-
 @pytest.mark.parametrize("name", ["fading", "aged", "both", "jumps"])
 @pytest.mark.parametrize("share", [0.5, 0.2])
 def test_depth_is_the_solution_in_any_number_of_blocks(name, share):
@@ -129,35 +109,6 @@ def test_depth_is_the_solution_in_any_number_of_blocks(name, share):
             depth = depth + ours.worn(depth, archard / blocks)
         assert_allclose(depth, expected, rtol=bound)
         assert_allclose(ours.archard_depth(depth), archard, rtol=1e-9)
-
-
-def test_a_law_that_jumps_has_its_closed_form():
-    """Twice as fast to 1 um, then half as fast."""
-    depth = user_wear("jumps").worn(np.zeros((2, 1)), both_sides(3e-6))
-    assert_allclose(depth, 1e-6 + 0.5 * 2.5e-6, rtol=1e-10)
-
-
-@pytest.mark.parametrize("joint", [JOINT, worn_joint("body", 360, 2e-6)])
-@pytest.mark.parametrize("penetration", [3e-6, -1e-9], ids=["closed", "opened"])
-def test_a_law_of_the_pressure_visits_the_bins_in_contact(
-    joint: ClearanceJoint, penetration
-):
-    wear = WearLaw(COEFFICIENT, "sliding", "arc", 0.7, user_law=law("steady"))
-    pair = placed(replace(joint, wear=wear), penetration, 2.0)
-    record = pair.packed.joints[0]
-    places = record, pair.packed.surfaces[0], pair.contact()
-    depth, shares, archard, expected = np.zeros((4, 2, 720))
-    deposit_over_arc(expected, *places, 2.0, shares)
-    touched = (expected != 0.0).any(axis=0)
-    far = np.array(
-        [not touched.take(range(k - 9, k + 10), mode="wrap").any() for k in range(720)]
-    )
-    assert far.sum() > 600
-    if penetration > 0.0:
-        archard[:, far] = np.nan
-    deposit_by_law(depth, *places, 2.0, 1e-3, shares, archard)
-    assert_allclose(depth, expected, rtol=1e-14)
-    assert not archard[:, ~far].any()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from marks import slow
 from swinging_slide import (
     AMPLITUDE,
     FORCE,
@@ -60,28 +59,6 @@ def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine):
     assert y == pytest.approx(-AMPLITUDE, abs=1e-6)
     assert x == pytest.approx(across(y), abs=1e-9)
     assert tilt == pytest.approx(WEDGE, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    "engine",
-    [*ENGINES[:2], slow(ENGINES[2])],
-    ids=lambda one: one.word,
-)
-def test_a_worn_wall_creates_no_energy(engine: Engine):
-    """Waves of 5 um over 100 mm throw the slide about, without a loss."""
-    place = bin_centres_of(WALL)
-    linkage, sink = on_wall(2.5e-6 * (1.0 - np.cos(2.0 * math.pi * place / 0.1)))
-    corners = tuple(
-        replace(one, normal=replace(one.normal, damping=0.0)) for one in linkage.corners
-    )
-    linkage = replace(linkage, clearances=corners)
-    start = Start(np.array([-C - sink, AMPLITUDE, 0.0]), np.zeros(3))
-    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
-    assert run.status == "completed", run.message
-    energy = 0.5 * 300.0 * (2.0 * math.pi / PERIOD * AMPLITUDE) ** 2
-    residual = abs(float(run.diagnostics["energy_residual_J"]))
-    within = 1e-4 if isinstance(engine, ExudynJoints) else 1e-6
-    assert residual < within * energy
 
 
 def test_a_flat_map_changes_no_digit():

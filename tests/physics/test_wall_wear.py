@@ -131,17 +131,6 @@ def test_a_depth_is_spread_over_the_bins_of_a_way(start, end, parts):
     assert depth == pytest.approx(wanted, rel=1e-14)
 
 
-def test_a_map_of_a_wall_reaches_as_far_as_the_ends_of_the_slide():
-    scene = pw.scenes.press_off_centre()
-    reach = scene.stroke + 0.4
-    walls = [corner.wall for corner in scene.linkage().corners]
-    assert len(set(walls)) == 1
-    (wall,) = set(walls)
-    assert wall is not None
-    assert wall.length == pytest.approx(1.02 * reach, rel=1e-6)
-    assert scene.linkage().worn_guides == scene.worn_guides == scene.loose_guides
-
-
 def test_walls_without_wear_or_clearance_have_no_map():
     press = pw.scenes.press_off_centre()
     materials = replace(press.bearings.materials, wear_coefficient=0.0)

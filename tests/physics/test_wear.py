@@ -11,7 +11,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from two_bodies import JOINT, Pair, placed, worn_joint
-from worn_depths import depths
+from worn_depths import fine_overlaps
 
 from presswear.linkage.clearance_joint import ClearanceJoint, MapFrame, SurfaceContact
 from presswear.linkage.surface import Surface
@@ -169,19 +169,7 @@ def test_volume_identity(
 
 def _fine(pair: Pair, count: int) -> Array:
     """Parts of the pressure in the bins of bearing and pin, summed on a fine grid."""
-    joint = pair.joint
-    contact = pair.contact()
-    zeros = [float(joint.map_frame == "body") * pair.q[body + 2] for body in (0, 3)]
-    fine = (np.arange(400 * count) + 0.5) * TURN / (400 * count)
-    parts = np.zeros((2, count))
-    for side, zero in enumerate(zeros):
-        direction = direction_of(contact)
-        angle = np.remainder(fine + zero - direction + math.pi, TURN) - math.pi
-        places = direction - np.array(zeros)
-        bearing, pin = depths(joint.bearing_surface, joint.pin_surface, *places)
-        gap = joint.clearance + bearing(angle) + pin(angle)
-        overlap = contact.eccentricity * np.cos(angle) - gap
-        parts[side] = np.maximum(overlap, 0.0).reshape(count, 400).sum(axis=1)
+    parts = np.sum(fine_overlaps(pair, count), axis=2)
     return np.asarray(parts / parts.sum(axis=1, keepdims=True))
 
 
