@@ -26,8 +26,9 @@ ALLOWED_REVERSE = 0.1  # reverse force over the greatest one that press makers a
 class FrameLoad:
     """Load of an elastic frame in the work, means over the sampled strokes.
 
-    The load is the force of its spring, less the weight that the frame carries. It
-    contains the inertia of the moving parts. The reverse force acts against the greatest
+    The load is the force of its spring, less the weight that the frame carries, so that
+    load and stretch are counted from rest under this weight. The load contains the
+    inertia of the moving parts. The reverse force acts against the greatest
     force, within SNAP_THROUGH_S of the fracture; None if nothing breaks.
     """
 

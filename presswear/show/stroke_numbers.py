@@ -3,7 +3,7 @@
 from presswear.physics import statics
 from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import Estimate
-from presswear.results.frame_load import frame_loads
+from presswear.results.frame_load import carried_weight, frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed
 from presswear.results.run_film import run_films
@@ -16,6 +16,8 @@ from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
 
+# Weight along a level guide over the force of the guide, by the round-off of directions
+ROUND_OFF = 1e-9
 NEGLIGIBLE = 1e-8  # m, error of bottom dead centre that no instrument of a press shows
 
 
@@ -141,11 +143,20 @@ def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:
 def _frame_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the stretch of each elastic frame."""
     result = []
+    linkage = scene.linkage()
+    carried = {
+        guide.name: carried_weight(linkage, guide) for guide in linkage.elastic_guides
+    }
     for name, load in frame_loads(scene, stage).items():
         if load.stretch is None or load.force is None:
             continue
         force = numbers.quantity_text(load.force.mean, "N")
-        text = f"Stretch of {name} at its greatest force, {force}."
+        text = f"Stretch of {name} at its greatest force, {force}"
+        weight = abs(carried[name])
+        if weight > ROUND_OFF * load.force.mean:
+            size = numbers.quantity_text(weight, "N")
+            text += f"; both from rest under the carried weight, {size}"
+        text += "."
         result.append(measured("Stretch of the frame", load.stretch, "m", text))
     return result
 

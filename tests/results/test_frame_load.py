@@ -13,6 +13,7 @@ import presswear as pw
 from presswear.results.export import table_of
 from presswear.results.frame_load import frame_loads
 from presswear.results.strokes import sampled_strokes
+from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines
 from presswear.show.report import write_report
 from presswear.show.stage_tables import stage_tables
@@ -39,6 +40,12 @@ def test_a_stop_stretches_the_frame():
     """Within the inertia of the slide at the bottom, 0.6 kN, and what the frame swings."""
     result = on_frame(pw.Coining(stiffness=STOP, height=2e-4), damping=0.5)
     (load,) = frame_loads(result.scene, result.stages[0]).values()
+    (stretch,) = [
+        one for one in key_numbers(result) if one.name == "Stretch of the frame"
+    ]
+    assert stretch.meaning.endswith(
+        "; both from rest under the carried weight, 9\u202f910 N."
+    )
     force = (2e-4 + WEIGHT / FRAME) / (1.0 / STOP + 1.0 / FRAME)
     assert load.force.mean == pytest.approx(force, rel=0.02)
     assert load.stretch.mean == pytest.approx(load.force.mean / FRAME)
@@ -46,6 +53,15 @@ def test_a_stop_stretches_the_frame():
     bottom = result.stages[0].statistics.bdc
     error = (force - WEIGHT) / FRAME
     assert bottom.error.mean == pytest.approx(error, rel=0.05)
+
+
+def test_a_frame_without_weight_has_no_weight_in_the_report():
+    frame = {"frame_mass": 600.0, "frame_stiffness": FRAME, "gravity": 0.0}
+    result = pressed(pw.Coining(stiffness=STOP, height=2e-4), **frame)
+    (stretch,) = [
+        one for one in key_numbers(result) if one.name == "Stretch of the frame"
+    ]
+    assert "weight" not in stretch.meaning
 
 
 def test_the_frame_swings_back_after_a_fracture():
