@@ -58,7 +58,7 @@ def measured(
 
 
 def exact(name: str, number: float, unit: str, meaning: str) -> KeyNumber:
-    """Return a key number of a number without an error, in SI."""
+    """Return a key number of a number without an error, in SI, that all stages share."""
     value = numbers.quantity_text(number, unit)
     estimate = Estimate(number, number, number)
-    return KeyNumber(name, value, "", meaning, estimate=estimate)
+    return KeyNumber(name, value, "", meaning, estimate=estimate, depends_on_wear=False)

@@ -29,6 +29,7 @@ from presswear.tools import numbers
 
 # Part of the greatest wear or force from which another joint is named as well
 _CLOSE = 0.9
+ENDS_LIFE = "It ends the service life."  # reason to improve a joint first
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
@@ -50,14 +51,46 @@ def key_numbers(result: Result) -> list[KeyNumber]:
             for peak in peaks
         ]
 
-    result_numbers = of_life + motion_numbers(scene, last)
-    result_numbers += stroke_numbers(scene, last)
-    result_numbers += explained(joint_numbers(scene, stages))
-    result_numbers += explained(drive_numbers(scene, stages))
+    of_last = motion_numbers(scene, last)
+    of_last += stroke_numbers(scene, last)
+    of_last += explained(joint_numbers(scene, stages))
+    of_last += explained(drive_numbers(scene, stages))
+    result_numbers = of_life + _with_surfaces(of_last, result, last)
     if result.life is None:
-        result_numbers += wear_per_million_strokes(scene, stages)
-    result_numbers += _improvement(scene, last, result.life)
+        result_numbers += _wear(result, stages)
+    improvement = _improvement(scene, last, result.life)
+    result_numbers += _with_surfaces(improvement, result, last)
     return [number_in_words_of(scene, number) for number in result_numbers]
+
+
+def _wear(result: Result, stages: list[StageResult]) -> list[KeyNumber]:
+    """Return the wear of the last wear update whose wear is known; a jump in one step has none."""
+    for stage in reversed(stages):
+        if wear := wear_per_million_strokes(result.scene, stage):
+            return _with_surfaces(wear, result, stage)
+    return []
+
+
+def _with_surfaces(
+    stage_numbers: list[KeyNumber], result: Result, stage: StageResult
+) -> list[KeyNumber]:
+    """Return numbers of a stage with its surfaces in words, where they depend on the wear."""
+    words = surfaces_of(result, stage)
+    return [
+        number._replace(stage=words) if number.depends_on_wear else number
+        for number in stage_numbers
+    ]
+
+
+def surfaces_of(result: Result, stage: StageResult) -> str:
+    """Return the surfaces of a stage in words; empty if the run has one stage."""
+    if len(result.stages) < 2:
+        return ""
+    if stage.index == 0:
+        return "on the initial surfaces" if stage.is_worn else "on new surfaces"
+    before = [one for one in result.stages if one.index < stage.index]
+    strokes = numbers.large(sum(one.cycles_per_update for one in before))
+    return f"after {strokes} strokes"
 
 
 def stages_with_numbers(result: Result) -> list[StageResult]:
@@ -97,7 +130,7 @@ def _improvement(
         return []
     if life is not None and life.first is not None and "." in life.first.key:
         joint = life.first.key.partition(".")[0]
-        reason = "It ends the service life."
+        reason = ENDS_LIFE
     else:
         volumes = {name: numbers.wear_volume for name, numbers in joints.items()}
         total = sum(volume.mean for volume in volumes.values())
@@ -117,7 +150,16 @@ def _improvement(
             joint = " or ".join(_rivals(forces))
             reason = "The largest force is there."
         reason += " presswear improve compares changes of each joint."
-    return [KeyNumber("Improve first", f"joint {joint}", "", reason)]
+    depends_on_wear = reason != ENDS_LIFE
+    return [
+        KeyNumber(
+            "Improve first",
+            f"joint {joint}",
+            "",
+            reason,
+            depends_on_wear=depends_on_wear,
+        )
+    ]
 
 
 def _rivals(values: Mapping[str, Estimate]) -> list[str]:

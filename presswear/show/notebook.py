@@ -18,7 +18,7 @@ def html_of(result: Result) -> str:
     row = Markup("<tr><th style='text-align: left'>{}</th><td>{}</td><td>{}</td></tr>")
     rows = Markup("")
     for number in key_numbers(result):
-        rows += row.format(number.name, number.value, number.interval)
+        rows += row.format(number.title, number.value, number.interval)
     text = Markup("<p><b>{}</b></p><table>{}</table>{}")
     return str(text.format(headline, rows, Markup(_picture(result))))
 

@@ -230,6 +230,8 @@ class KeyNumber(NamedTuple):
     ``compared`` holds names and values to which it is compared, a line each.
     A number with a note, such as ``from 12 strokes``, is uncertain: it is grey.
     ``estimate`` is the number in SI, which two results are compared by.
+    ``depends_on_wear`` is False for a number that all stages of a run share. ``stage``
+    names the surfaces of the number, such as ``after 20 000 strokes``.
     """
 
     name: str
@@ -239,6 +241,13 @@ class KeyNumber(NamedTuple):
     compared: tuple[tuple[str, str], ...] = ()
     note: str = ""
     estimate: Estimate | None = None
+    depends_on_wear: bool = True
+    stage: str = ""
+
+    @property
+    def title(self) -> str:
+        """Name with the surfaces of the number."""
+        return f"{self.name}, {self.stage}" if self.stage else self.name
 
 
 class Verdict(NamedTuple):
@@ -267,6 +276,7 @@ class FirstScreen:
     warnings: Sequence[str] = ()
     picture: Illustration | None = None
     limits: Sequence[LimitLine] = ()
+    limits_stage: str = ""  # surfaces of the limited numbers; empty with one stage
     made_by: str = ""  # command, version and date
 
 

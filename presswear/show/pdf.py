@@ -75,10 +75,11 @@ def _write_texts(
             (line.number.name, line.number.value, line.limit, line.verdict.word)
             for line in screen.limits
         ]
-        texts.table("Limits", ("", "value", "limit", ""), [("", rows)])
+        head = f"Limits {screen.limits_stage}".rstrip()
+        texts.table(head, ("", "value", "limit", ""), [("", rows)])
     numbers = [
         (
-            number.name,
+            number.title,
             number.value,
             ", ".join(filter(None, (number.interval, number.note))),
         )

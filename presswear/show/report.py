@@ -37,7 +37,7 @@ from presswear.show.figures import (
 )
 from presswear.show.figures.life import limit_text
 from presswear.show.figures.style import stage_names
-from presswear.show.key_numbers import key_numbers, stages_with_numbers
+from presswear.show.key_numbers import key_numbers, stages_with_numbers, surfaces_of
 from presswear.show.life_section import life_section
 from presswear.show.limits import limit_lines
 from presswear.show.motion_table import motion_table
@@ -238,13 +238,16 @@ def report_tables(result: Result, missing: list[str]) -> dict[str, Table | None]
 def first_screen(result: Result, missing: Sequence[str] = ()) -> page.FirstScreen:
     """Return status, limits, key numbers and warnings of a result; see ``report_tables``."""
     limits = []
+    limits_stage = ""
     if sound := stages_with_numbers(result):
         limits = limit_lines(result.scene, sound[-1])
+        limits_stage = in_words_of(result.scene, surfaces_of(result, sound[-1]))
     return page.FirstScreen(
         status=_status(result),
         style=result.status if result.status in FINISHED else "unfinished",
         made_by=made_by(result.provenance),
         limits=limits,
+        limits_stage=limits_stage,
         key_numbers=key_numbers(result),
         warnings=[*warnings(result), *missing],
     )

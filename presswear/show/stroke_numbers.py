@@ -73,7 +73,8 @@ def _work_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     if (rise := _deflection(scene, stage, force)) is not None:
         text = f"Rise of bottom dead centre under a static {numbers.quantity_text(force, 'N')}, "
         text += "with clearance, contacts and springs, drives held."
-        result.append(exact("Deflection under load", rise, "m", text))
+        number = exact("Deflection under load", rise, "m", text)
+        result.append(number._replace(depends_on_wear=True))
     return result
 
 

@@ -14,33 +14,28 @@ from presswear.tools import numbers
 from presswear.tools.quantities import Quantity, written
 
 
-def wear_per_million_strokes(
-    scene: Scene, stages: list[StageResult]
-) -> list[KeyNumber]:
-    """Return the deepest wear of the last wear update whose wear is known.
+def wear_per_million_strokes(scene: Scene, stage: StageResult) -> list[KeyNumber]:
+    """Return the deepest wear of the wear update after a stage; empty if it is not known.
 
-    A jump in one step has none. The wear is that of a million strokes, so that results
-    of different updates can be compared.
+    The wear is that of a million strokes, so that results of different updates can be
+    compared.
     """
-    for stage in reversed(stages):
-        per_million = 1e6 / stage.cycles_per_update
-        wear = {}
-        for name, joint in pins_of(scene, stage).items():
-            for side, peak in joint.wear_peaks.items():
-                is_worn = peak.depth.mean > 0.0 and not joint.is_unworn
-                if side != "both" and is_worn:
-                    wear[name, side] = peak.depth.scaled(per_million)
-        if wear:
-            place = key_of_greatest(wear)
-            name, _ = place
-            text = _place_text(scene, stage, place)
-            text += _other_joints_text(scene, wear, name)
-            text += _oil_text(scene, name)
-            strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
-            return [
-                measured("Wear per million strokes", wear[place], "m", text, strokes)
-            ]
-    return []
+    per_million = 1e6 / stage.cycles_per_update
+    wear = {}
+    for name, joint in pins_of(scene, stage).items():
+        for side, peak in joint.wear_peaks.items():
+            is_worn = peak.depth.mean > 0.0 and not joint.is_unworn
+            if side != "both" and is_worn:
+                wear[name, side] = peak.depth.scaled(per_million)
+    if not wear:
+        return []
+    place = key_of_greatest(wear)
+    name, _ = place
+    text = _place_text(scene, stage, place)
+    text += _other_joints_text(scene, wear, name)
+    text += _oil_text(scene, name)
+    strokes = stage.statistics.joints[name].peak_force_per_cycle.samples
+    return [measured("Wear per million strokes", wear[place], "m", text, strokes)]
 
 
 def _place_text(scene: Scene, stage: StageResult, place: tuple[str, str]) -> str:

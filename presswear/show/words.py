@@ -43,4 +43,5 @@ def number_in_words_of(scene: Scene, number: "KeyNumber") -> "KeyNumber":
         interval=in_words_of(scene, number.interval),
         meaning=in_words_of(scene, number.meaning),
         note=in_words_of(scene, number.note),
+        stage=in_words_of(scene, number.stage),
     )

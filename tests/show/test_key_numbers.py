@@ -16,6 +16,7 @@ from presswear.show.drive_numbers import IDEAL, RUBBING
 from presswear.show.key_number import measured
 from presswear.show.key_numbers import key_numbers
 from presswear.show.page import FirstScreen, KeyNumber, render_page
+from presswear.show.report import first_screen
 from presswear.show.stage_tables import drive_table
 from presswear.show.warnings import warnings
 from presswear.tools.numbers import quantity_text
@@ -87,6 +88,33 @@ def test_a_linkage_without_a_guide_has_cycles():
     names = {one.name: one.value for one in key_numbers(rocker)}
     assert names["Cycles a minute"] == "300"
     assert names["Travel"] == quantity_text(rocker.scene.stroke, "m")
+
+
+def test_numbers_of_several_stages_have_their_surfaces():
+    """A life, the stroke and a flywheel are those of all stages."""
+    result = made_up(made.BOTH, 2)
+    statistics = result.stages[1].statistics
+    joints = {
+        name: replace(joint, wear_peaks={}) for name, joint in statistics.joints.items()
+    }
+    result = altered(result, 1, statistics=replace(statistics, joints=joints))
+    stages = {one.name: one.stage for one in key_numbers(result)}
+    worn = "after 2 million strokes"
+    for name in ("Repeatability", "Peak joint force", "Improve first"):
+        assert stages[name] == worn
+    assert stages["Wear per million strokes"] == "on new surfaces"
+    assert stages["Stroke"] == stages["Strokes a minute"] == ""
+    screen = first_screen(result)
+    assert screen.limits_stage == worn
+    text = render_page("a title", screen)
+    assert f'Peak joint force<span class="quiet">, {worn}</span>' in text
+    assert f'Limits <span class="quiet">{worn}</span>' in text
+    single = first_screen(made_up(made.BOTH, 1))
+    assert not single.limits_stage
+    assert not any(one.stage for one in single.key_numbers)
+    by_life = {one.name: one.stage for one in key_numbers(lived(made_up(made.BODY, 3)))}
+    assert by_life["Service life"] == by_life["Improve first"] == ""
+    assert by_life["Peak joint force"] == "after 4 million strokes"
 
 
 def test_round_off_is_no_mean_power():
