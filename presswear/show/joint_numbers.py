@@ -17,7 +17,12 @@ from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import IDEAL
-from presswear.show.key_number import enough_cycles, measured
+from presswear.show.key_number import (
+    ENOUGH,
+    enough_cycles,
+    fewest_strokes,
+    measured,
+)
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 
@@ -60,9 +65,11 @@ def _peak_force(scene: Scene, stages: list[StageResult]) -> KeyNumber:
     settling = last.statistics.settling
     if settling and not needs_warning(settling):
         text = sentence_of(settling)
-        if settling.verdict == "unwatched":
+        if settling.verdict != "unwatched":
+            sentences.append(f"{text}.")
+        elif fewest_strokes(stages) == ENOUGH:  # else a warning says it
             text += f"; cycles = {enough_cycles(scene)} or more shows it"
-        sentences.append(f"{text}.")
+            sentences.append(f"{text}.")
     peak = measured("Peak joint force", forces[at], "N", " ".join(sentences))
     if settling and settling.is_mixture:
         note = reason_without_interval(last)

@@ -1,15 +1,18 @@
 """Key number of an estimate: value, interval, and a note if it has too few samples."""
 
 import math
+from collections.abc import Sequence
 
 from presswear.recording.settling import REPEATED
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
+from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.show.page import NOTHING, KeyNumber
 from presswear.tools import numbers
 
 ENOUGH = 20  # sampled strokes from which the intervals of peak forces are trusted
 UNKNOWN = "interval unknown"
+SCATTERS = "scatters too much"  # note of a number of enough strokes without an interval
 
 
 def enough_cycles(scene: Scene) -> int:
@@ -20,6 +23,13 @@ def enough_cycles(scene: Scene) -> int:
     """
     strokes = math.ceil(ENOUGH / scene.replicate_count)
     return STARTUP_CYCLES + max(strokes, REPEATED)
+
+
+def fewest_strokes(stages: Sequence[StageResult]) -> int:
+    """Return the least number of strokes behind a peak force, or ENOUGH if it is larger."""
+    joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
+    samples = [joint.peak_force_per_cycle.samples for joint in joints]
+    return min([*samples, ENOUGH])
 
 
 def measured(
@@ -44,7 +54,7 @@ def measured(
     factor, shown = numbers.unit_scale(unit, abs(mean))
     if low is None or high is None or not estimate.has_interval:
         value = f"{numbers.readable(factor * mean, 2)} {shown}"
-        note = note or "scatters too much"
+        note = f"{note}, too few" if note else SCATTERS
         single = estimate.without_interval
         return KeyNumber(name, value, UNKNOWN, meaning, note=note, estimate=single)
     digits = 3 if high - low < 0.2 * abs(mean) else 2

@@ -11,7 +11,7 @@ from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import BottomStatistics
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
-from presswear.show.key_number import exact, measured
+from presswear.show.key_number import SCATTERS, exact, measured
 from presswear.show.page import KeyNumber
 from presswear.tools import numbers
 from presswear.tools.errors import InputError, RunFailed
@@ -127,7 +127,10 @@ def _of_bottom(
     """Return a length of bottom dead centre; a negligible one is not printed in picometres."""
     if length is not None and abs(length.mean) < NEGLIGIBLE:
         return KeyNumber(name, f"below {1e9 * NEGLIGIBLE:.0f} nm", "", meaning)
-    return measured(name, length, "m", meaning, strokes)
+    number = measured(name, length, "m", meaning, strokes)
+    if number.note == SCATTERS:
+        number = number._replace(note="single strokes decide it")
+    return number
 
 
 def equal_bottoms_text(scene: Scene, bdc: BottomStatistics) -> str:

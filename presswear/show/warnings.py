@@ -10,7 +10,7 @@ from presswear.results.stage import StageResult
 from presswear.scene.plausible import doubts, unusual_joints
 from presswear.scene.scene import Scene
 from presswear.show.joint_numbers import bearing_loads
-from presswear.show.key_number import ENOUGH, enough_cycles
+from presswear.show.key_number import ENOUGH, enough_cycles, fewest_strokes
 from presswear.show.words import in_words_of
 from presswear.tools import numbers
 from presswear.tools.quantities import written
@@ -84,14 +84,14 @@ def _sampling_warnings(scene: Scene, stages: list[StageResult]) -> list[str]:
         name = scene.solver.tolerance_name
         advice = f"a smaller {name}" if name else "more steps_per_contact"
         lines.append(f"Finer time steps change peak forces by {part} %: use {advice}.")
-    joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
-    samples = [joint.peak_force_per_cycle.samples for joint in joints]
-    strokes = min(samples, default=ENOUGH)
+    strokes = fewest_strokes(stages)
     if strokes < ENOUGH:
-        lines.append(
-            f"Few strokes: peak forces are means of {strokes} strokes, and uncertain. "
-            f"Run more: cycles = {enough_cycles(scene)} or more."
-        )
+        counted = numbers.counted(strokes, "stroke")
+        line = f"Few strokes: peak forces are means of {counted}, and uncertain."
+        settlings = [stage.statistics.settling for stage in stages]
+        if any(one and one.verdict == "unwatched" for one in settlings):
+            line += " They are too few to see whether the motion settles."
+        lines.append(f"{line} Run more: cycles = {enough_cycles(scene)} or more.")
     return lines
 
 

@@ -5,12 +5,13 @@ import re
 from dataclasses import replace
 
 import made_up_result as made
+import numpy as np
 import pytest
 from made_up_result import altered, lived, made_up
 
 import presswear as pw
 from presswear.recording.settling import Settling
-from presswear.recording.statistics import Estimate
+from presswear.recording.statistics import Estimate, spread
 from presswear.results.rigid_joints import ideal_drives, rubbing_drives
 from presswear.show.drive_numbers import IDEAL, RUBBING
 from presswear.show.key_number import measured
@@ -28,13 +29,18 @@ from presswear.tools.numbers import quantity_text
         (Estimate.symmetric(225e3, 0.0, 30), "225 kN", "", ""),
         (Estimate.symmetric(150.0, 260.0, 30).positive, "150 N", "27 to 850 N", ""),
         (Estimate(150.0, samples=40), "150 N", "interval unknown", "scatters too much"),
-        (Estimate(150.0, samples=1), "150 N", "interval unknown", "from 1 stroke"),
+        (
+            Estimate(150.0, samples=1),
+            "150 N",
+            "interval unknown",
+            "from 1 stroke, too few",
+        ),
         # the standard deviation of two cycles in each of two runs
         (
             Estimate(150.0, 1e-20, 1e20, 4),
             "150 N",
             "interval unknown",
-            "from 4 strokes",
+            "from 4 strokes, too few",
         ),
         (
             Estimate.symmetric(150.0, 3.0, 19),
@@ -193,6 +199,25 @@ def test_repeatability_is_the_standard_deviation_of_bottom_dead_centre():
     assert numbers["Repeatability"][1:3] == ("40 µm", "30 to 60 µm")
 
 
+@pytest.mark.parametrize(
+    ("strokes", "reason"),
+    [(4, "from 4 strokes, too few"), (30, "single strokes decide it")],
+)
+def test_a_repeatability_without_an_interval_has_a_reason(strokes, reason):
+    """The jackknife has no interval if the variance is that of a single stroke."""
+    heights = np.append(np.zeros(strokes + 1), 1e-4)  # after a start-up of two
+    scatter = spread([heights])
+    assert not scatter.has_interval
+    result = made_up(made.ONE, 1)
+    bdc = replace(result.stages[0].bdc, strokes=strokes, standard_deviation=scatter)
+    statistics = replace(result.stages[0].statistics, bdc=bdc)
+    numbers = {
+        one.name: one for one in key_numbers(altered(result, 0, statistics=statistics))
+    }
+    number = numbers["Repeatability"]
+    assert (number.interval, number.note) == ("interval unknown", reason)
+
+
 def test_a_life_comes_first_and_names_its_joint():
     first, *_, last = key_numbers(lived(made_up(made.BODY, 3)))
     assert (first.name, first.value) == ("Service life", "5 million strokes")
@@ -237,7 +262,10 @@ def test_energy_made_by_contacts_is_a_warning():
 
 
 def test_one_number_of_cycles_is_recommended():
-    """Of 2 at the start, then 10 each for the settling, and 20 together for the forces."""
+    """Of 2 at the start, then 10 each for the settling, and 20 together for the forces.
+
+    The warning says it once. With enough strokes of many replicates the peak force does.
+    """
     for replicates, cycles in ((1, 22), (2, 12), (4, 12)):
         scene = replace(made.BODY, replicates=replicates)
         result = made_up(scene, 1)
@@ -246,7 +274,19 @@ def test_one_number_of_cycles_is_recommended():
         result = altered(result, 0, statistics=statistics)
         meanings = [number.meaning for number in key_numbers(result)]
         text = " ".join([*meanings, *warnings(result)])
-        assert re.findall(r"cycles = (\d+)", text) == [f"{cycles}"] * 2
+        assert re.findall(r"cycles = (\d+)", text) == [f"{cycles}"]
+        assert text.count("too few to see whether the motion settles") == 1
+    enough = replace(Estimate.symmetric(80.0, 12.0), samples=20)
+    joints = {
+        name: replace(joint, peak_force_per_cycle=enough)
+        for name, joint in statistics.joints.items()
+    }
+    result = altered(result, 0, statistics=replace(statistics, joints=joints))
+    text = " ".join(number.meaning for number in key_numbers(result))
+    assert (
+        "5 strokes are too few to see whether the motion settles; cycles = 12" in text
+    )
+    assert not any("cycles =" in line for line in warnings(result))
 
 
 def wear_of(result: pw.Result) -> KeyNumber:
@@ -264,7 +304,7 @@ def test_wear_depth_is_that_of_the_last_update_with_a_depth():
     statistics = result.stages[1].statistics
     started = altered(result, 1, statistics=replace(statistics, cycles=4))
     last = wear_of(started)
-    assert last.note == "from 2 strokes"  # without those of the start-up
+    assert last.note == "from 2 strokes, too few"  # without those of the start-up
     joint = statistics.joints["A"]
     peak = replace(joint.wear_peaks["both"], depth=known)
     worn = replace(joint, wear_peaks=dict.fromkeys(joint.wear_peaks, peak))
