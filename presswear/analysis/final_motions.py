@@ -143,12 +143,10 @@ class FinalMotions:
 
 def proportion(count: int, total: int) -> Estimate:
     """Return a share with its interval (Clopper and Pearson, Biometrika 26 (1934) 404)."""
-    from scipy.special import betaincinv  # slow to import
+    from scipy.stats import binomtest  # slow to import
 
-    tail = 0.5 - 0.5 * LEVEL
-    low = betaincinv(count, total - count + 1, tail) if count > 0 else 0.0
-    high = betaincinv(count + 1, total - count, 1.0 - tail) if count < total else 1.0
-    return Estimate(count / total, float(low), float(high), total)
+    interval = binomtest(count, total).proportion_ci(LEVEL)
+    return Estimate(count / total, float(interval.low), float(interval.high), total)
 
 
 def evaluate(

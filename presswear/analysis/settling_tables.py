@@ -1,19 +1,17 @@
 """Sentences and tables of final motions."""
 
-import csv
-import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from presswear.analysis.final_motions import FinalMotion, FinalMotions, FinalMotionsAt
 from presswear.analysis.kicks import DIRECTIONS, STATES
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate
-from presswear.tools.files import write_bytes
+from presswear.results.export import write_rows
 from presswear.tools.numbers import quantity_text, readable, whole
 
-# Headings of the columns with units, and the rows
-Table = tuple[Sequence[str], list[list[object]]]
+Row = dict[str, Any]  # cells of a table by the heads of their columns, with units
 
 
 def summary(result: FinalMotions, settled: FinalMotionsAt) -> list[str]:
@@ -121,134 +119,93 @@ def _percent(share: Estimate) -> str:
     return f"{100.0 * share.mean:.0f} ({low:.0f} to {high:.0f})"
 
 
-def tables(result: FinalMotions) -> dict[str, Table]:
-    """Return the tables of a result by the names of their files; SI units."""
+def write_tables(result: FinalMotions, folder: Path) -> list[Path]:
+    """Write the tables of a result into a folder, in SI units; return the files."""
+    tables = {
+        "starts.csv": _start_rows,
+        "motions.csv": _motion_rows,
+        "half-life.csv": _half_life_rows,
+        "kicks.csv": _kick_rows,
+    }
+    files = []
+    for name, rows_of in tables.items():
+        rows = []
+        for settled in result.values:
+            first = _parameter_of(result, settled)
+            rows += [first | row for row in rows_of(settled)]
+        write_rows(folder / name, rows)
+        files.append(folder / name)
+    return files
+
+
+def _parameter_of(result: FinalMotions, settled: FinalMotionsAt) -> Row:
+    """Return the value of the parameter by its name and unit; empty without a parameter."""
     parameter = result.parameter
-    joints = result.scene.clearance_joints
-    first = [] if parameter is None else [_named(parameter.key, parameter.unit)]
-    return {
-        "starts.csv": ([*first, *_start_heads(joints)], _start_rows(result)),
-        "motions.csv": ([*first, *_motion_heads(joints)], _motion_rows(result)),
-        "half-life.csv": ([*first, *_HALF_LIFE], _half_life_rows(result)),
-        "kicks.csv": ([*first, *_KICKS], _kick_rows(result)),
+    if parameter is None:
+        return {}
+    unit = f" ({parameter.unit})" if parameter.unit else ""
+    return {f"{parameter.key}{unit}": settled.value}
+
+
+def _start_rows(settled: FinalMotionsAt) -> Iterator[Row]:
+    motion_of: dict[int, int] = {}  # number of the motion by index of the run
+    for number, motion in enumerate(settled.motions, 1):
+        motion_of |= dict.fromkeys(motion.runs, number)
+    for k, run in enumerate(settled.runs):
+        has_settled = run.settled >= 0
+        row: Row = {
+            "start": run.index,
+            "motion": motion_of.get(k, "failed"),
+            "cycles": run.cycles,
+            "settled after (cycles)": run.settled if has_settled else None,
+            "period (cycles)": run.period if has_settled else None,
+        }
+        for joint, name in enumerate(settled.joints):
+            for quantity, unit in (("eccentricity", "m"), ("velocity", "m/s")):
+                for axis, value in zip("xy", run[quantity][joint], strict=True):
+                    row[f"{name}_{quantity}_{axis} ({unit})"] = value
+            row[f"{name}_peak_force (N)"] = run.peak_force[joint]
+            row[f"{name}_contacts"] = run.contacts[joint]
+        yield row
+
+
+def _motion_rows(settled: FinalMotionsAt) -> Iterator[Row]:
+    for number, motion in enumerate(settled.motions, 1):
+        row: Row = {
+            "motion": number,
+            "starts": motion.starts,
+            "share": motion.share.mean,
+            "share_low": motion.share.low,
+            "share_high": motion.share.high,
+            "period (cycles)": motion.period or "irregular",
+        }
+        for name in settled.joints:
+            row[f"{name}_peak_force (N)"] = motion.peak_force[name]
+            row[f"{name}_contacts"] = motion.contacts[name]
+        least = motion.least_kick
+        yield row | {"least kick (m/s)": least and least.rattles}
+
+
+def _half_life_rows(settled: FinalMotionsAt) -> Iterator[Row]:
+    life = settled.half_life
+    yield {
+        "starts": len(settled.runs),
+        "settled": settled.counted - settled.irregular,
+        "irregular": settled.irregular,
+        "failed": settled.failed,
+        "half_life (cycles)": life and life.mean,
+        "half_life_low (cycles)": life.low if life else settled.least_half_life,
+        "half_life_high (cycles)": life and life.high,
     }
 
 
-_HALF_LIFE = (
-    "starts",
-    "settled",
-    "irregular",
-    "failed",
-    "half_life (cycles)",
-    "half_life_low (cycles)",
-    "half_life_high (cycles)",
-)
-_KICKS = (
-    "motion",
-    "joint",
-    "rattles (m/s)",
-    "returns (m/s)",
-    "direction from the axis of the body of the bearing (deg)",
-)
-
-
-def _named(name: str, unit: str) -> str:
-    return f"{name} ({unit})" if unit else name
-
-
-def _values(result: FinalMotions) -> Iterable[tuple[list[object], FinalMotionsAt]]:
-    """Yield the first cells of the rows, with the value of the parameter, and the motions."""
-    for settled in result.values:
-        yield ([] if result.parameter is None else [settled.value]), settled
-
-
-def _start_heads(joints: Sequence[str]) -> list[str]:
-    heads = ["start", "motion", "cycles", "settled after (cycles)", "period (cycles)"]
-    for joint in joints:
-        heads += [f"{joint}_eccentricity_{axis} (m)" for axis in "xy"]
-        heads += [f"{joint}_velocity_{axis} (m/s)" for axis in "xy"]
-        heads += [f"{joint}_peak_force (N)", f"{joint}_contacts"]
-    return heads
-
-
-def _start_rows(result: FinalMotions) -> list[list[object]]:
-    rows = []
-    for first, settled in _values(result):
-        motion_of: dict[int, int] = {}  # number of the motion by index of the run
-        for number, motion in enumerate(settled.motions, 1):
-            for index in motion.runs:
-                motion_of[index] = number
-        for k, run in enumerate(settled.runs):
-            row = [*first, int(run.index), motion_of.get(k, "failed"), int(run.cycles)]
-            if run.settled >= 0:
-                row += [int(run.settled), int(run.period)]
-            else:
-                row += ["", ""]
-            for joint in range(len(settled.joints)):
-                row += run.eccentricity[joint].tolist()
-                row += run.velocity[joint].tolist()
-                row += [float(run.peak_force[joint]), float(run.contacts[joint])]
-            rows.append(row)
-    return rows
-
-
-def _motion_heads(joints: Sequence[str]) -> list[str]:
-    heads = ["motion", "starts", "share", "share_low", "share_high", "period (cycles)"]
-    for joint in joints:
-        heads += [f"{joint}_peak_force (N)", f"{joint}_contacts"]
-    return [*heads, "least kick (m/s)"]
-
-
-def _motion_rows(result: FinalMotions) -> list[list[object]]:
-    rows = []
-    for first, settled in _values(result):
-        for number, motion in enumerate(settled.motions, 1):
-            share = motion.share
-            least = motion.least_kick
-            row = [*first, number, motion.starts, share.mean, share.low, share.high]
-            row.append("irregular" if motion.period is None else motion.period)
-            for joint in settled.joints:
-                row += [motion.peak_force[joint], motion.contacts[joint]]
-            rows.append([*row, "" if least is None else least.rattles])
-    return rows
-
-
-def _half_life_rows(result: FinalMotions) -> list[list[object]]:
-    rows = []
-    for first, settled in _values(result):
-        count = settled.counted - settled.irregular
-        row = [*first, len(settled.runs), count, settled.irregular, settled.failed]
-        life = settled.half_life
-        if life is not None:
-            row += [life.mean, life.low, life.high]
-        elif settled.least_half_life is not None:
-            row += ["", settled.least_half_life, ""]
-        else:
-            row += ["", "", ""]
-        rows.append(row)
-    return rows
-
-
-def _kick_rows(result: FinalMotions) -> list[list[object]]:
-    rows = []
-    for first, settled in _values(result):
-        for number, motion in enumerate(settled.motions, 1):
-            for kick in motion.kicks or ():
-                limit = "" if kick.rattles is None else kick.rattles
-                rows.append(
-                    [*first, number, kick.joint, limit, kick.returns, kick.direction]
-                )
-    return rows
-
-
-def write_tables(result: FinalMotions, folder: Path) -> list[Path]:
-    """Write the tables of a result into a folder; return the files."""
-    files = []
-    for name, (heads, rows) in tables(result).items():
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(heads)
-        writer.writerows(rows)
-        write_bytes(folder / name, text.getvalue().encode())
-        files.append(folder / name)
-    return files
+def _kick_rows(settled: FinalMotionsAt) -> Iterator[Row]:
+    for number, motion in enumerate(settled.motions, 1):
+        for kick in motion.kicks or ():
+            yield {
+                "motion": number,
+                "joint": kick.joint,
+                "rattles (m/s)": kick.rattles,
+                "returns (m/s)": kick.returns,
+                "direction from the axis of the body of the bearing (deg)": kick.direction,
+            }

@@ -72,7 +72,7 @@ def rates_of(scene: Scene, stage: StageResult) -> WearRates:
 
 def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
     """Return the wear of both walls of a guide by the update after a stage."""
-    assert guide.length is not None
+    length, _ = guide.size
     walls = stage.statistics.walls[guide.name].values()
     strokes = stage.cycles_per_update
     depths = [wall.depth_per_cycle.scaled(strokes) for wall in walls]
@@ -80,7 +80,7 @@ def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
     return {
         f"{guide.name}.depth": max(depths, key=lambda depth: depth.mean),
         f"{guide.name}.wear_volume": weighted_sum(volumes, (1.0, 1.0)),
-        f"{guide.name}.tilt": weighted_sum(depths, (1.0 / guide.length,) * 2),
+        f"{guide.name}.tilt": weighted_sum(depths, (1.0 / length,) * 2),
     }
 
 

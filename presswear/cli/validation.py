@@ -162,6 +162,7 @@ def benchmark(arguments: argparse.Namespace, console: Console) -> int:
 def _measure_methods(
     scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
 ) -> None:
+    from presswear.results.export import write_rows
     from presswear.show.figures import save
     from presswear.validation import benchmark
     from presswear.validation.benchmark_problems import FULL, QUICK
@@ -170,7 +171,7 @@ def _measure_methods(
     extent = replace(extent, repeats=arguments.repeats or extent.repeats)
     with terminal.named_progress(console, "benchmark") as report:
         points = benchmark.work_precision(scene, extent, report)
-    benchmark.write_csv(benchmark.table(points), folder / "benchmark.csv")
+    write_rows(folder / "benchmark.csv", benchmark.table(points))
     save(benchmark.draw_work_precision(points), folder)
     _print_methods(console, points)
 
@@ -178,13 +179,14 @@ def _measure_methods(
 def _measure_features(
     scene: "Scene", arguments: argparse.Namespace, folder: Path, console: Console
 ) -> None:
+    from presswear.results.export import write_rows
     from presswear.validation import benchmark
 
     extent = benchmark.QUICK_FEATURES if arguments.quick else benchmark.FeatureExtent()
     extent = replace(extent, repeats=arguments.repeats or extent.repeats)
     with terminal.named_progress(console, "benchmark") as report:
         rows = benchmark.feature_costs(scene, extent, report)
-    benchmark.write_csv(rows, folder / "features.csv")
+    write_rows(folder / "features.csv", rows)
     _print_features(console, rows)
 
 

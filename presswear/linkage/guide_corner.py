@@ -61,16 +61,14 @@ class GuideCorner(ClearanceJoint):
 
 def slide_inertia(mass: float, guide: Guide) -> float:
     """Return the inertia of a slide, kg m^2, as a block of the size that its guide has."""
-    assert guide.length is not None
-    assert guide.width is not None
-    return mass * (guide.length**2 + guide.width**2) / 12.0
+    length, width = guide.size
+    return mass * (length**2 + width**2) / 12.0
 
 
 def turning_clearance(guide: Guide) -> float:
     """Return the clearance, m, with which the walls are as far apart as the slide's diagonal."""
-    assert guide.length is not None
-    assert guide.width is not None
-    return 0.5 * (math.hypot(guide.length, guide.width) - guide.width)
+    length, width = guide.size
+    return 0.5 * (math.hypot(length, width) - width)
 
 
 def largest_tilt(guide: Guide, clearance: float) -> float:
@@ -78,20 +76,16 @@ def largest_tilt(guide: Guide, clearance: float) -> float:
 
     It solves (W / 2) (1 - cos p) = (L / 2) sin p - c.
     """
-    assert guide.length is not None
-    assert guide.width is not None
-    diagonal = math.hypot(guide.length, guide.width)
-    slope = math.atan2(guide.width, guide.length)
-    return math.asin((guide.width + 2.0 * clearance) / diagonal) - slope
+    length, width = guide.size
+    diagonal = math.hypot(length, width)
+    return math.asin((width + 2.0 * clearance) / diagonal) - math.atan2(width, length)
 
 
 def tilting_clearance(guide: Guide, tilt: float) -> float:
     """Return the clearance, m, with which the largest tilt is ``tilt``, rad."""
-    assert guide.length is not None
-    assert guide.width is not None
-    diagonal = math.hypot(guide.length, guide.width)
-    slope = math.atan2(guide.width, guide.length)
-    return 0.5 * (diagonal * math.sin(tilt + slope) - guide.width)
+    length, width = guide.size
+    diagonal = math.hypot(length, width)
+    return 0.5 * (diagonal * math.sin(tilt + math.atan2(width, length)) - width)
 
 
 CORNERS: Mapping[str, tuple[float, float]] = {
@@ -111,13 +105,12 @@ def corner_ends(
     ``along`` and ``side`` are a value of ``CORNERS``. The point is on the frame, or on the
     body that carries the walls.
     """
-    assert guide.length is not None
-    assert guide.width is not None
-    y = 0.5 * side * guide.width
+    length, width = guide.size
+    y = 0.5 * side * width
     cosine = math.cos(guide.direction)
     sine = math.sin(guide.direction)
     beside = Attachment(guide.on, guide.x - sine * y, guide.y + cosine * y)
-    x = 0.5 * along * guide.length
+    x = 0.5 * along * length
     turn = guide.direction - guide.angle
     cosine = math.cos(turn)
     sine = math.sin(turn)

@@ -147,6 +147,13 @@ class Guide(Checked):
         return self.on != GROUND
 
     @property
+    def size(self) -> tuple[float, float]:
+        """Length and width of the slide, m, which a guide with clearance has."""
+        assert self.length is not None
+        assert self.width is not None
+        return self.length, self.width
+
+    @property
     def rows(self) -> int:
         """Number of constraint equations; that of a spring holds its length."""
         return 2 if self.stiffness is None else 3

@@ -16,9 +16,9 @@ def tilt_series(stage: StageResult, guide: Guide) -> Array:
     The corners of one face are the length of the slide apart, and their distances from
     the middle differ by this length times the sine of the tilt.
     """
-    assert guide.length is not None
+    length, _ = guide.size
     front, back = (_across(stage, guide, f"left {end}") for end in ("front", "back"))
-    return np.asarray(np.arcsin((front - back) / guide.length))
+    return np.asarray(np.arcsin((front - back) / length))
 
 
 def corner_paths(stage: StageResult, guide: Guide) -> dict[str, Array]:

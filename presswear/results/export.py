@@ -9,8 +9,10 @@ dimension per column, under its name. MAT, which is written only: one column vec
 column, and a structure with their units.
 """
 
+import csv
+import io
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import BinaryIO
@@ -38,6 +40,7 @@ from presswear.tools.files import (
     check_ending,
     read_text,
     separator_of,
+    write_bytes,
     write_whole,
 )
 
@@ -218,6 +221,16 @@ def _write_matlab(file: BinaryIO, table: Table, units: Mapping[str, str]) -> Non
     savemat(
         file, {**columns, "units": unit_names}, oned_as="column", long_field_names=True
     )
+
+
+def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """Write a table for people as ``.csv``; the columns are those of all rows."""
+    text = io.StringIO()
+    columns = {name: None for row in rows for name in row}
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_bytes(path, text.getvalue().encode())
 
 
 def read_table(path: Path) -> dict[str, Array]:

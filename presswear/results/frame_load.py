@@ -37,12 +37,6 @@ class FrameLoad:
     reverse_force: Estimate | None  # N
     reverse_fraction: Estimate | None  # reverse over greatest force of the same stroke
 
-    @property
-    def is_excessive(self) -> bool:
-        """True if the reverse force is more than press makers allow."""
-        fraction = self.reverse_fraction
-        return fraction is not None and fraction.mean > ALLOWED_REVERSE
-
 
 def frame_loads(scene: Scene, stage: StageResult) -> dict[str, FrameLoad]:
     """Return the loads of elastic frames by guide; empty without a stroke on the work."""

@@ -284,7 +284,7 @@ def self_locking(scene: Scene) -> dict[str, tuple[float, float]]:
     limits = {}
     for guide in scene.loose_guides:
         friction = scene.bearing(guide.name).friction
-        assert guide.length is not None
-        if guide.body == body and 2.0 * offset * friction > guide.length:
-            limits[guide.name] = friction, guide.length / (2.0 * offset)
+        length, _ = guide.size
+        if guide.body == body and 2.0 * offset * friction > length:
+            limits[guide.name] = friction, length / (2.0 * offset)
     return limits

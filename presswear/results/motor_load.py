@@ -40,11 +40,6 @@ class MotorLoad:
     # peak over breakdown torque; None: no breakdown torque
     peak_fraction: Estimate | None
 
-    @property
-    def is_overloaded(self) -> bool:
-        """True if the rms torque is above the rated torque."""
-        return self.rms_fraction.mean > 1.0
-
 
 @dataclass(frozen=True)
 class LeaderSpeed:
@@ -59,11 +54,6 @@ class LeaderSpeed:
     # angle of the leader from the touch until the speed is RECOVERED again, rad; None: it
     # does not fall below, or does not recover in the recorded strokes
     recovery: Estimate | None
-
-    @property
-    def is_excessive(self) -> bool:
-        """True if the speed drops by more than press makers allow."""
-        return self.drop is not None and self.drop.mean > ALLOWED_DROP
 
 
 def leader_speed(scene: Scene, stage: StageResult) -> LeaderSpeed | None:

@@ -45,9 +45,9 @@ def corners_of(
     penetration delta.
     """
     check_guide(bearing, guide)
-    assert guide.width is not None
+    _, width = guide.size
     normal = _corner_normal(bearing)
-    radius = 0.5 * guide.width + bearing.clearance
+    radius = 0.5 * width + bearing.clearance
     return tuple(
         GuideCorner(
             f"{guide.name} {name}",
@@ -93,15 +93,14 @@ def check_guide(bearing: Bearing, guide: Guide) -> None:
                 f"{key} of {guide.name}: a guide with clearance needs it; set {key} of the "
                 f"guide, or guide_{key} of a press or slider-crank, such as 300 mm"
             )
-    assert guide.length is not None
-    assert guide.width is not None
-    if bearing.clearance > 0.5 * guide.width:
+    _, width = guide.size
+    if bearing.clearance > 0.5 * width:
         raise InputError(
             f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is up to "
-            f"half the width of the slide, {written(0.5 * guide.width, 'm')}"
+            f"half the width of the slide, {written(0.5 * width, 'm')}"
         )
     if bearing.clearance >= turning_clearance(guide):
-        sizes = (written(size, "m") for size in (guide.length, guide.width))
+        sizes = (written(size, "m") for size in guide.size)
         raise InputError(
             f"clearance of {guide.name} = {written(bearing.clearance, 'm')}: allowed is below "
             f"{written(turning_clearance(guide), 'm')}, with which a slide of "
@@ -115,8 +114,8 @@ def check_guide(bearing: Bearing, guide: Guide) -> None:
 
 def deepest_wall(bearing: Bearing, guide: Guide) -> float:
     """Return the depth up to which the model of a worn wall holds, m."""
-    assert guide.width is not None
-    return deepest_wear("foundation", bearing.clearance, 0.5 * guide.width)
+    _, width = guide.size
+    return deepest_wear("foundation", bearing.clearance, 0.5 * width)
 
 
 def unread_in_guide(bearing: Bearing) -> tuple[str, ...]:

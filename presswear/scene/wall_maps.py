@@ -48,14 +48,14 @@ def with_wall_maps(
 
 def _wall_map(guide: Guide, ideal: IdealMotion, coefficient: float) -> WallMap:
     """Return the map of both walls of a guide, from the positions of its slide."""
-    assert guide.length is not None
+    slide_length, _ = guide.size
     x, y = _slide_in_frame(guide, ideal)
     cosine = math.cos(guide.direction)
     sine = math.sin(guide.direction)
     along = cosine * (x - guide.x) + sine * (y - guide.y)
-    length = float(np.ptp(along)) + guide.length
+    length = float(np.ptp(along)) + slide_length
     margin = _MARGIN * length
-    start = float(along.min()) - 0.5 * guide.length - margin
+    start = float(along.min()) - 0.5 * slide_length - margin
     return WallMap(coefficient, start, (1.0 + 2.0 * _MARGIN) * length)
 
 

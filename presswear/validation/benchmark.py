@@ -6,13 +6,10 @@ motion differs between runs with and without a feature, and so does the number o
 the time of a step is the fair measure.
 """
 
-import csv
-import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -29,7 +26,6 @@ from presswear.scene.settings import changed
 from presswear.show.figures import style
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import write_bytes
 from presswear.validation import benchmark_problems as problems
 from presswear.validation.benchmark_problems import Extent, Method, Problem
 from presswear.validation.cases import Progress, finished, guarded, part_of
@@ -98,15 +94,6 @@ def time_runs(
                 raise RunFailed(f"{name}: a repeated run took other steps")
             timings[name] = replace(first, times=(*first.times[:repeat], run.cpu))
     return timings
-
-
-def write_csv(rows: Sequence[Mapping[str, object]], file: Path) -> None:
-    """Write a table; the columns are those of all rows."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, {name: None for row in rows for name in row})
-    writer.writeheader()
-    writer.writerows(rows)
-    write_bytes(file, text.getvalue().encode())
 
 
 # --- Speed against error ------------------------------------------------------------

@@ -123,8 +123,6 @@ def test_loads_are_those_of_the_stored_series():
 def test_a_light_flywheel_is_slowed_too_much():
     result = press(0.01)
     (load,) = motor_loads(result.scene, result.stages[0]).values()
-    speed = leader_speed(result.scene, result.stages[0])
-    assert speed.is_excessive
     peak = np.abs(result.stages[0].arrays["drive_torque"][:, 0]).max()
     assert load.peak_fraction.mean == pytest.approx(peak / (480.0 * 2.75), rel=1e-3)
     assert verdict(result, "Drop of the speed") == "above the limit"
