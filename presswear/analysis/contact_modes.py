@@ -6,7 +6,6 @@ otherwise. A sustained contact sticks while its sliding speed is below the lower
 of its friction law.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +29,7 @@ class Timeline:
 
     # times at which the modes begin, and the end of the last one, s, shape (n + 1,)
     edges: Array
-    mode: IntArray  # index into ``names``; two successive modes differ
-    names: tuple[str, ...] = MODES
+    mode: IntArray  # index into MODES; two successive modes differ
 
     @property
     def durations(self) -> Array:
@@ -41,20 +39,20 @@ class Timeline:
     @property
     def shares(self) -> dict[str, float]:
         """Share of the time in each mode, by name; the sum is 1."""
-        sums = np.bincount(self.mode, self.durations, len(self.names))
-        return dict(zip(self.names, (sums / sums.sum()).tolist(), strict=True))
+        sums = np.bincount(self.mode, self.durations, len(MODES))
+        return dict(zip(MODES, (sums / sums.sum()).tolist(), strict=True))
 
     @property
     def transitions(self) -> IntArray:
         """Number of transitions from a mode (row) to another mode (column)."""
-        counts = np.zeros((len(self.names), len(self.names)), np.int64)
+        counts = np.zeros((len(MODES), len(MODES)), np.int64)
         np.add.at(counts, (self.mode[:-1], self.mode[1:]), 1)
         return counts
 
     def visits(self, name: str) -> Array:
         """Return the durations, s, of the visits to a mode that begin and end within the span."""
         inner = slice(1, -1)
-        return self.durations[inner][self.mode[inner] == self.names.index(name)]
+        return self.durations[inner][self.mode[inner] == MODES.index(name)]
 
     def at(self, times: Array) -> IntArray:
         """Return the modes at ``times``, s; times outside the span get the first or last mode."""
@@ -73,7 +71,7 @@ class Timeline:
         edges = np.union1d(self.edges, bin_edges[is_within])
         middle = 0.5 * (edges[1:] + edges[:-1])
         bin_index = np.floor(middle / period * bins).astype(np.int64) % bins
-        times = np.zeros((len(self.names), bins))
+        times = np.zeros((len(MODES), bins))
         np.add.at(times, (self.at(middle), bin_index), np.diff(edges))
         sums = times.sum(axis=0)
         return np.asarray(times / np.where(sums > 0.0, sums, 1.0))
@@ -98,17 +96,6 @@ def impact_limits(duration: Array, closing_speed: Array) -> Array:
     )
     scale = np.maximum(speed_ratio, 1.0) ** 0.2
     return np.asarray(MAX_DURATION_RATIO * typical_duration * scale)
-
-
-def resonance_frequency(duration: Array, closing_speed: Array) -> float | None:
-    """Return the contact resonance, Hz: one over twice the median duration of impacts.
-
-    None if no contact is an impact.
-    """
-    is_impact = (duration > 0.0) & (duration <= impact_limits(duration, closing_speed))
-    if not is_impact.any():
-        return None
-    return float(0.5 / np.median(duration[is_impact]))
 
 
 def timeline(
@@ -147,13 +134,8 @@ def timeline(
         is_impact = (duration <= impact_limits(duration, closing_speed))[contact]
         mode[is_closed] = np.where(is_slow, STICKING, SUSTAINED)[is_closed]
         mode[is_closed & is_impact] = IMPACT
-    return _merged(edges, mode, MODES)
-
-
-def _merged(edges: Array, mode: IntArray, names: tuple[str, ...]) -> Timeline:
-    """Return a timeline in which equal successive modes are one."""
     is_new = np.append(True, np.diff(mode) != 0)
-    return Timeline(np.append(edges[:-1][is_new], edges[-1]), mode[is_new], names)
+    return Timeline(np.append(edges[:-1][is_new], edges[-1]), mode[is_new])
 
 
 def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
@@ -179,27 +161,4 @@ def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
 def over_nominal_time(scene: Scene, stage: StageResult, line: Timeline) -> Timeline:
     """Return a timeline of a stage over the nominal time after the run-up, s."""
     edges = stage.nominal_of(line.edges) - scene.run_up
-    return Timeline(edges, line.mode, line.names)
-
-
-def resonance(stage: StageResult, joint: str) -> float | None:
-    """Return the frequency of the contact, Hz, or None; see ``resonance_frequency``."""
-    pin = stage.joints[joint]
-    duration = pin.contact("separation") - pin.contact("touchdown")
-    return resonance_frequency(duration, pin.contact("closing_speed"))
-
-
-def combine(timelines: Sequence[Timeline]) -> Timeline:
-    """Return the joint modes of several joints over one span, named ``first + second``.
-
-    Only combinations that occur have a name: ten joints have a million combinations.
-    """
-    edges = np.unique(np.concatenate([line.edges for line in timelines]))
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    modes = np.column_stack([line.at(middle) for line in timelines])
-    combinations, index = np.unique(modes, axis=0, return_inverse=True)
-    names = []
-    for combination in combinations:
-        pairs = zip(timelines, combination, strict=True)
-        names.append(" + ".join(line.names[mode] for line, mode in pairs))
-    return _merged(edges, index.ravel(), tuple(names))
+    return Timeline(edges, line.mode)

@@ -1,14 +1,10 @@
 """Table of contact modes, periodicity and spectra of each stage."""
 
-from collections import Counter
-
 import numpy as np
 
 from presswear.analysis.contact_modes import (
     MODES,
     Timeline,
-    combine,
-    resonance,
     timeline_of,
 )
 from presswear.analysis.periods import period_of
@@ -22,7 +18,6 @@ from presswear.show.page import Table
 from presswear.show.tables import HARMONICS, Record, result_table
 from presswear.tools import numbers
 
-_COMBINED_MODES = 8  # number of combined modes of all joints that are listed
 # Least number of spectral lines in an order of the crank. With fewer lines even noise has
 # most of its power at whole orders.
 _MIN_LINES = 8
@@ -38,28 +33,16 @@ def motion_table(result: Result) -> Table | None:
     ]
     if not records:
         return None
-    shares = Counter[str]()
-    for record in records:
-        shares.update(record["shares"])
-    series = list(records[0]["harmonics"])
-    frequent_modes = []
-    if len(result.scene.dry_pins) > 1:
-        common = shares.most_common(_COMBINED_MODES)
-        frequent_modes = [mode for mode, _ in common]
-    return result_table(
-        "motion", result, records, together=frequent_modes, series=series
-    )
+    return result_table("motion", result, records, series=list(records[0]["harmonics"]))
 
 
 def _motion_record(scene: Scene, stage: StageResult) -> Record:
     """Return the numbers of a stage that the rows of the table show."""
-    joints = scene.loose_pins
     start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
     timelines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
-    combined = combine(list(timelines.values())) if timelines else None
     labels = {"": f"acceleration of {scene.output} (m/s²)"}
-    labels |= {joint: f"force at {joint} (N)" for joint in joints}
+    labels |= {joint: f"force at {joint} (N)" for joint in scene.loose_pins}
     spectra_by_name = spectra_of(scene, stage)
     spectra = {label: spectra_by_name[name] for name, label in labels.items()}
     return {
@@ -67,8 +50,6 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
         "modes": {
             joint: _visits(timeline, cycles) for joint, timeline in timelines.items()
         },
-        "together": _visits(combined, cycles) if combined else {},
-        "shares": combined.shares if combined else {},
         "changes": {
             joint: _changes(timeline, cycles) for joint, timeline in timelines.items()
         },
@@ -79,7 +60,6 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
         "whole": {
             name: _harmonic_share(spectrum) for name, spectrum in spectra.items()
         },
-        "resonance": {joint: resonance(stage, joint) for joint in joints},
     }
 
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.lines import Line2D
 
 import presswear as pw
 from presswear.analysis.contact_modes import over_nominal_time, timeline_of
@@ -71,19 +70,6 @@ def test_places_in_the_cycle_and_durations(results):
     assert spectra[1].order == pytest.approx(spectra[0].order)
     power = [curves_of(scene, one)["crank"].power for one in (stage, slow)]
     assert power[1] == pytest.approx(0.5 * power[0], rel=1e-6)
-    # the contact resonance, and the cycle, twice as slow
-    places = [
-        [np.asarray(line.get_xdata()) for line in resonance_lines(result)]
-        for result in (results[1], replace(results[1], stages=(slow,)))
-    ]
-    assert len(places[0]) == 1
-    assert places[1][0] == pytest.approx(places[0][0], rel=1e-6)
-
-
-def resonance_lines(result: pw.Result) -> list[Line2D]:
-    """Return the lines of the contact resonance in the figure of spectra."""
-    axes = result.plot("spectrum")
-    return [one for panel in axes for one in panel.lines if one.get_linestyle() == "-."]
 
 
 def test_tables_hold_the_clock(results):

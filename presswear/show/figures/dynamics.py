@@ -10,7 +10,6 @@ from matplotlib.ticker import MaxNLocator
 from presswear.analysis.contact_modes import (
     MODES,
     over_nominal_time,
-    resonance,
     timeline_of,
 )
 from presswear.analysis.periods import impacts_of, period_of, section_of
@@ -21,7 +20,7 @@ from presswear.show.figures import style
 from presswear.show.figures.motion import first_and_last, pin_panels
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import readable, unit_scale
+from presswear.tools.numbers import unit_scale
 
 if TYPE_CHECKING:
     from presswear.analysis.bifurcation import Diagram
@@ -163,24 +162,17 @@ def contact_modes(result: Result, shown: Shown) -> list[Drawing]:
 
 
 def spectrum(result: Result, shown: Shown) -> list[Drawing]:
-    """Draw spectra of acceleration and contact forces, with harmonics and contact resonance."""
+    """Draw spectra of acceleration and contact forces, with harmonics."""
     scene = result.scene
     joints = result.scene.loose_pins
     columns = 2 if len(joints) > 2 else 1
     sheet, panels, lowest = style.panel_list(1 + len(joints), 1.9, columns, sharex=True)
-    resonances = []
-    periods = []  # mean periods; with a motor they differ from the nominal period
-    for stage in shown:
-        spectra = spectra_of(scene, stage.data)
-        periods.append(spectra[""].period)
+    spectra = [spectra_of(scene, stage.data) for stage in shown]
+    for stage, of_stage in zip(shown, spectra, strict=True):
         for axes, name in zip(panels, ("", *joints), strict=True):
-            of_name = spectra[name]
+            of_name = of_stage[name]
             stage.pen.draw(axes, of_name.order[1:], of_name.density[1:], linewidth=0.6)
     for axes, joint in zip(panels[1:], joints, strict=True):
-        frequencies = _draw_resonances(axes, shown, periods, joint)
-        if frequencies:
-            ends = map(readable, (min(frequencies), max(frequencies)))
-            resonances.append(f"{joint} {' to '.join(dict.fromkeys(ends))} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
     panels[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
     for axes in panels:
@@ -197,24 +189,8 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
         [stage.pen for stage in shown],
         scene=scene,
         harmonics=_HARMONICS,
-        resonances=resonances,
-        period=periods[-1],
+        period=spectra[-1][""].period,
     )
-
-
-def _draw_resonances(
-    axes: Axes, shown: Shown, periods: Sequence[float], joint: str
-) -> list[float]:
-    """Draw the contact resonances of a joint in each stage; return them, Hz."""
-    frequencies = []
-    for stage, period in zip(shown, periods, strict=True):
-        frequency = resonance(stage.data, joint)
-        if frequency is not None:
-            order = frequency * period
-            colour = stage.pen.colour
-            axes.axvline(order, color=colour, linewidth=0.9, linestyle="dashdot")
-            frequencies.append(frequency)
-    return frequencies
 
 
 def _axis(diagram: "Diagram") -> tuple[float, str]:
