@@ -20,8 +20,7 @@ from presswear.analysis.pins import kick_pins
 from presswear.engines.base import Plan, Start
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
-from presswear.recording.recorder import Recorder
-from presswear.recording.settling import CHANGE, REPEATED, signatures
+from presswear.recording.settling import CHANGE, REPEATED, signatures_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.tools.arrays import Array
 
@@ -44,18 +43,6 @@ class Kick:
     returns: float  # speed after which it returns from all states, in all directions
     direction: int = 0  # direction of the kick that leads to rattling, degrees
     state: int = 0  # number of the state of the settled motion before this kick
-
-
-def recorded_signatures(recorder: Recorder, linkage: Linkage) -> Array:
-    """Return the signatures of the finished cycles; see ``recording.settling.signatures``."""
-    positions = []
-    forces = []
-    for k, joint in enumerate(linkage.clearances):
-        x = recorder.each_cycle("eccentricity_x", k)
-        y = recorder.each_cycle("eccentricity_y", k)
-        positions.append(np.column_stack([x, y]) / joint.clearance)
-        forces.append(recorder.each_cycle("force_max", k))
-    return signatures(np.stack(positions, axis=1), np.stack(forces, axis=1))
 
 
 def least_kicks(
@@ -164,6 +151,6 @@ def leaves(linkage: Linkage, start: Start, orbit: Array) -> bool:
     )
     if run.status == "failed":
         return True
-    cycles = recorded_signatures(run.recorder, linkage)[STARTUP_CYCLES:]
+    cycles = signatures_of(linkage.clearances, run.recorder.cycles)[STARTUP_CYCLES:]
     distance = np.abs(cycles[:, np.newaxis] - orbit).max(axis=2)
     return bool((distance.min(axis=1) > CHANGE).any())

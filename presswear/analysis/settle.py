@@ -23,18 +23,23 @@ from presswear.analysis.kicks import (
     STATES,
     Kick,
     least_kicks,
-    recorded_signatures,
     states_of,
 )
 from presswear.analysis.starts import SpreadStarts, crossing_speeds, spread_starts
 from presswear.engines.base import Plan, Start
+from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.settling import PERIODS, REPEATED, settled_motion
+from presswear.recording.settling import (
+    PERIODS,
+    REPEATED,
+    settled_motion,
+    signatures_of,
+)
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.arrays import Array, State, read_arrays, write_arrays
+from presswear.tools.arrays import State, read_arrays, write_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import only_writer
 from presswear.tools.processes import Report, Workers, cores
@@ -54,14 +59,14 @@ STARTS_SHARE = 0.9  # share of the starts in the progress; the kicks take the re
 class _UntilSettled(Observer):
     """Observer that ends a run after it has repeated for twice the required number of cycles."""
 
-    def __init__(self, signatures: Callable[[Recorder], Array]) -> None:
-        self._signatures = signatures
+    def __init__(self, joints: Sequence[ClearanceJoint]) -> None:
+        self._joints = joints
 
     def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         count = len(recorder.cycles)
         if count < WATCHED_TWICE * REPEATED:
             return False
-        motion = settled_motion(self._signatures(recorder))
+        motion = settled_motion(signatures_of(self._joints, recorder.cycles))
         if motion is None:
             return False
         return count - motion.start >= WATCHED_TWICE * max(REPEATED, 3 * motion.period)
@@ -77,13 +82,12 @@ def run_start(
 ) -> NDArray[Any]:
     """Return the row of one start, a record with the fields of ``_row``."""
     linkage = scene.linkage()
-    observer = _UntilSettled(lambda recorder: recorded_signatures(recorder, linkage))
     plan = Plan(
         scene.mechanism.period,
         cycles,
         1,
         torques=False,
-        observers=(observer,),
+        observers=(_UntilSettled(linkage.clearances),),
         report=lambda share, recorder: report(share),
     )
     run = ENGINE.simulate(linkage, starts.start(index, linkage, ideal), plan)
@@ -95,7 +99,7 @@ def run_start(
     if run.status == "failed":
         row["settled"] = FAILED
         return row
-    signatures = recorded_signatures(run.recorder, linkage)
+    signatures = signatures_of(linkage.clearances, run.recorder.cycles)
     motion = settled_motion(signatures)
     row["end"] = run.end.position, run.end.velocity
     joints = range(len(linkage.clearances))

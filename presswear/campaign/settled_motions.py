@@ -5,8 +5,6 @@ See ``presswear.recording.settling`` for the measure and its source.
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column
 from presswear.recording.settling import (
@@ -17,29 +15,12 @@ from presswear.recording.settling import (
     half_life,
     least_half_life,
     settled_motion,
-    signatures,
+    signatures_of,
 )
 from presswear.recording.statistics import STARTUP_CYCLES, Estimate, pooled
 from presswear.tools.arrays import Array
 
 Joints = Sequence[ClearanceJoint]
-
-
-def settled_motions_of(
-    joints: Joints, runs: Sequence[Array]
-) -> list[SettledMotion | None]:
-    """Return the motion on which each run settled, from its rows of cycles; None if it has not."""
-    clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
-    places = []  # columns of the eccentricities, (joints, 2)
-    forces = []
-    for k in range(len(joints)):
-        places.append([cycle_column(f"eccentricity_{axis}", k) for axis in "xy"])
-        forces.append(cycle_column("force_max", k))
-    motions = []
-    for rows in runs:
-        signature = signatures(rows[:, places] / clearances, rows[:, forces])
-        motions.append(settled_motion(signature))
-    return motions
 
 
 def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
@@ -55,7 +36,8 @@ def settling_of(joints: Joints, runs: Sequence[Array]) -> Settling | None:
     irregular_rows = []  # cycles of each run before it settled
     lengths = []  # numbers of cycles of the runs that have not settled
     starts: list[int | None] = []
-    for motion, rows in zip(settled_motions_of(joints, runs), runs, strict=True):
+    for rows in runs:
+        motion = settled_motion(signatures_of(joints, rows))
         if motion is None:
             starts.append(None)
             lengths.append(len(rows))

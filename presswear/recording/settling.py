@@ -15,6 +15,8 @@ from typing import Literal
 
 import numpy as np
 
+from presswear.linkage.clearance_joint import ClearanceJoint
+from presswear.recording.columns import cycle_column
 from presswear.recording.statistics import LEVEL, STARTUP_CYCLES, Estimate
 from presswear.tools.arrays import Array
 
@@ -116,6 +118,17 @@ def signatures(positions: Array, forces: Array) -> Array:
         least = 1.0  # without any force all logarithms are 0
     logarithms = np.log(np.maximum(forces, least))
     return np.column_stack([positions.reshape(len(positions), -1), logarithms])
+
+
+def signatures_of(joints: Sequence[ClearanceJoint], rows: Array) -> Array:
+    """Return the signatures of cycles from their rows, shape (cycles, 3 joints)."""
+    clearances = np.array([joint.clearance for joint in joints])[:, np.newaxis]
+    places = []  # columns of the eccentricities, (joints, 2)
+    forces = []
+    for k in range(len(joints)):
+        places.append([cycle_column(f"eccentricity_{axis}", k) for axis in "xy"])
+        forces.append(cycle_column("force_max", k))
+    return signatures(rows[:, places] / clearances, rows[:, forces])
 
 
 def settled_motion(cycles: Array) -> SettledMotion | None:

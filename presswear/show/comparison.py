@@ -11,14 +11,13 @@ from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import settings_by_key
 from presswear.scene.setting_list import settings_of
 from presswear.show import page
-from presswear.show.figures import FIRST, FIRST_COUNT, drawn
-from presswear.show.figures.style import Drawing
+from presswear.show.figures import FIRST, FIRST_COUNT, drawn_if_stored
 from presswear.show.key_numbers import key_numbers, stages_with_numbers
 from presswear.show.limits import limit_lines
 from presswear.show.page import NOTHING, Illustration, KeyNumber, LimitLine
 from presswear.show.report import made_by
 from presswear.tools.choices import NONE
-from presswear.tools.errors import InputError, NotStored
+from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable
 from presswear.tools.quantities import Quantity
@@ -222,8 +221,8 @@ def _figure_pairs(
     pairs: list[tuple[Illustration, Illustration]] = []
     figures = 0
     for name in FIRST:
-        first_drawings = _drawings(name, first)
-        second_drawings = _drawings(name, second)
+        first_drawings = drawn_if_stored(name, first, first.stages)
+        second_drawings = drawn_if_stored(name, second, second.stages)
         if not first_drawings or not second_drawings:
             continue
         if figures == FIRST_COUNT:
@@ -233,11 +232,3 @@ def _figure_pairs(
         second_pictures = page.drawn_inline(second_drawings)
         pairs += zip(first_pictures, second_pictures, strict=False)
     return pairs
-
-
-def _drawings(name: str, result: Result) -> list[Drawing]:
-    """Return the drawings of a figure; none if the result does not contain its series."""
-    try:
-        return drawn(name, result, result.stages)
-    except NotStored:
-        return []

@@ -5,9 +5,8 @@ from markupsafe import Markup, escape
 from presswear.results.result import Result
 from presswear.scene.catalog import title_of
 from presswear.show import page
-from presswear.show.figures import FIRST, drawn
+from presswear.show.figures import FIRST, drawn_if_stored
 from presswear.show.key_numbers import key_numbers
-from presswear.tools.errors import NotStored
 
 
 def html_of(result: Result) -> str:
@@ -26,11 +25,7 @@ def html_of(result: Result) -> str:
 def _picture(result: Result) -> str:
     """Return the first figure that shows something as an element, or nothing."""
     for name in FIRST:
-        try:
-            drawings = drawn(name, result, result.stages)
-        except NotStored:
-            continue
-        if drawings:
+        if drawings := drawn_if_stored(name, result, result.stages):
             (figure,) = page.drawn_inline(drawings[:1])
             caption = escape(figure.title)
             return f"<div style='max-width: 60rem'>{figure.svg}<p>{caption}</p></div>"

@@ -117,7 +117,7 @@ def drawings(
     if not names:
         for name in NAMES:
             if name not in OF_MANY_CYCLES:
-                yield from _drawn_if_stored(name, result, stages)
+                yield from drawn_if_stored(name, result, stages)
     for name in names:
         try:
             figures = drawn(name, result, stages)
@@ -134,12 +134,12 @@ def drawings(
 
 def first_drawings(result: Result) -> list[Drawing]:
     """Draw the mechanism and the first ``FIRST_COUNT`` figures of ``FIRST`` that show something."""
-    drawings_by_name = (_drawn_if_stored(name, result, result.stages) for name in FIRST)
+    drawings_by_name = (drawn_if_stored(name, result, result.stages) for name in FIRST)
     first = islice(filter(None, drawings_by_name), FIRST_COUNT)
     return [*drawn("mechanism", result, result.stages), *chain.from_iterable(first)]
 
 
-def _drawn_if_stored(name: str, result: Result, stages: Stages) -> list[Drawing]:
+def drawn_if_stored(name: str, result: Result, stages: Stages) -> list[Drawing]:
     """Return the drawings of a figure; none if an earlier version did not record its series."""
     try:
         return drawn(name, result, stages)
