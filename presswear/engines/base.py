@@ -156,7 +156,9 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     """
     check_springs(linkage, start.position)
     records = _records_of(linkage, start, plan)
-    place_loads(records.packed.loads, start.position, start.velocity)
+    loads = records.packed.loads
+    if loads.records.size:
+        place_loads(loads, start.position, start.velocity)
     maps = MapBatches(map_shape(linkage.clearances))
     return Recorder(records, maps, len(plan.sections))
 

@@ -6,8 +6,12 @@ ends a step there, and at ``next_break``, where a table over time bends.
 
 import math
 
+import numpy as np
+
 from presswear.physics.loads import (
     ELASTIC,
+    LOAD,
+    MODE,
     OFF,
     POSITION,
     RAMP_SPEED,
@@ -22,7 +26,7 @@ from presswear.physics.loads import (
     load_size,
 )
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 # Transitions from a mode: to a position above its highest or below its lowest, to a speed
 # above its fastest or below its slowest
@@ -192,35 +196,48 @@ def is_beyond_limits(
     return False
 
 
+@lazily_compiled(np.int64(0), LOAD, 2, MODE, 0, 1, 1, 1)
+def settle_load(
+    load: Records,
+    nodes: Array,
+    mode: Records,
+    t: float,
+    q: Array,
+    v: Array,
+    a: Array,
+) -> int:
+    """Update the mode of a load after an accepted step; return the number of changes."""
+    s, speed, acceleration = load_motion(load, q, v, a)
+    size_before = load_size(load, nodes, mode, t, s, speed)
+    changes = pass_nodes(load, nodes, mode, t)
+    mode.change = 0.0
+    if t > mode.time:
+        mode.change = (acceleration - mode.acceleration) / (t - mode.time)
+    mode.time = t
+    mode.place = s
+    mode.speed = speed
+    mode.acceleration = acceleration
+    while changes < MAX_CHANGES and is_beyond_limits(
+        load, mode, s, speed, acceleration
+    ):
+        change_mode(load, nodes, mode, s, speed, acceleration)
+        changes += 1
+    if changes > 0:
+        mode.changed = t
+    size = load_size(load, nodes, mode, t, s, speed)
+    greater = max(abs(size_before), abs(size))
+    mode.jump = abs(size - size_before) / greater if greater > 0.0 else 0.0
+    return changes
+
+
 @compiled
 def settle_loads(loads: Loads, t: float, q: Array, v: Array, a: Array) -> int:
     """Update the modes after an accepted step; return the number of changes."""
     changes = 0
-    nodes = loads.nodes
     for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        mode = loads.modes[k]
-        s, speed, acceleration = load_motion(load, q, v, a)
-        size_before = load_size(load, nodes, mode, t, s, speed)
-        changes_of_load = pass_nodes(load, nodes, mode, t)
-        mode.change = 0.0
-        if t > mode.time:
-            mode.change = (acceleration - mode.acceleration) / (t - mode.time)
-        mode.time = t
-        mode.place = s
-        mode.speed = speed
-        mode.acceleration = acceleration
-        while changes_of_load < MAX_CHANGES and is_beyond_limits(
-            load, mode, s, speed, acceleration
-        ):
-            change_mode(load, nodes, mode, s, speed, acceleration)
-            changes_of_load += 1
-        if changes_of_load > 0:
-            mode.changed = t
-        changes += changes_of_load
-        size = load_size(load, nodes, mode, t, s, speed)
-        greater = max(abs(size_before), abs(size))
-        mode.jump = abs(size - size_before) / greater if greater > 0.0 else 0.0
+        changes += settle_load(
+            loads.records[k], loads.nodes, loads.modes[k], t, q, v, a
+        )
     return changes
 
 
@@ -240,34 +257,34 @@ def count_transitions(loads: Loads) -> int:
     return TRANSITIONS * loads.records.shape[0]
 
 
-@compiled
+@inlined
+def transition_of(k: int) -> tuple[int, int]:
+    """Return the load and its transition with the switching function ``k``."""
+    return k // TRANSITIONS, k % TRANSITIONS
+
+
+@lazily_compiled((0.0, 0.0), LOAD, MODE, np.int64(0), 1, 1, 1)
 def transition_value(
-    loads: Loads, k: int, q: Array, v: Array, a: Array
+    load: Records, mode: Records, transition: int, q: Array, v: Array, a: Array
 ) -> tuple[float, float]:
     """Return a switching function in a state, and its rate."""
-    load = loads.records[k // TRANSITIONS]
-    mode = loads.modes[k // TRANSITIONS]
     s, speed, acceleration = load_motion(load, q, v, a)
-    value, rate, _, _ = switching(
-        load, mode, k % TRANSITIONS, s, speed, acceleration, 0.0
-    )
+    value, rate, _, _ = switching(load, mode, transition, s, speed, acceleration, 0.0)
     return value, rate
 
 
 @compiled
 def transition_at_start(
-    loads: Loads, k: int, change: float
+    load: Records, mode: Records, transition: int, change: float
 ) -> tuple[float, float, float, float]:
     """Return a switching function in the last accepted state, and its derivatives.
 
     ``change`` is 1 to use the rate of the acceleration over the last step, and 0 to assume
     a constant acceleration.
     """
-    load = loads.records[k // TRANSITIONS]
-    mode = loads.modes[k // TRANSITIONS]
     jerk = change * mode.change
     return switching(
-        load, mode, k % TRANSITIONS, mode.place, mode.speed, mode.acceleration, jerk
+        load, mode, transition, mode.place, mode.speed, mode.acceleration, jerk
     )
 
 
@@ -292,18 +309,22 @@ def greatest_jump(loads: Loads) -> float:
     return jump
 
 
+@lazily_compiled(None, LOAD, 2, MODE, 1, 1)
+def place_load(load: Records, nodes: Array, mode: Records, q: Array, v: Array) -> None:
+    """Set the mode of a load in an initial state, at t = 0."""
+    s, speed, _ = load_motion(load, q, v, v)
+    mode.place = s
+    mode.speed = speed
+    place = 0.0 if load.kind == TIME else s
+    place_mode(load, nodes, mode, place, 1.0, speed, 0.0)
+    set_limits(load, nodes, mode)
+    # A motion out of the table starts at its deepest place.
+    if load.unloading > 0.0 and speed < mode.slow:
+        change_mode(load, nodes, mode, s, speed, 0.0)
+
+
 @compiled
 def place_loads(loads: Loads, q: Array, v: Array) -> None:
     """Set all modes in an initial state, at t = 0."""
     for k in range(loads.records.shape[0]):
-        load = loads.records[k]
-        mode = loads.modes[k]
-        s, speed, _ = load_motion(load, q, v, v)
-        mode.place = s
-        mode.speed = speed
-        place = 0.0 if load.kind == TIME else s
-        place_mode(load, loads.nodes, mode, place, 1.0, speed, 0.0)
-        set_limits(load, loads.nodes, mode)
-        # A motion out of the table starts at its deepest place.
-        if load.unloading > 0.0 and speed < mode.slow:
-            change_mode(load, loads.nodes, mode, s, speed, 0.0)
+        place_load(loads.records[k], loads.nodes, loads.modes[k], q, v)

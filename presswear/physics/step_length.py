@@ -12,7 +12,7 @@ import numpy as np
 
 from presswear.physics.contact import acceleration_in_gap
 from presswear.physics.event_time import step_to_event, time_across, time_to_event
-from presswear.physics.load_transitions import count_transitions
+from presswear.physics.load_transitions import count_transitions, transition_of
 from presswear.physics.touchdown import LEAST_STEPS, joint_crossing, load_crossing
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined
@@ -206,7 +206,10 @@ def shorter_step(
             wanted = late_touchdown(packed.joints[k], last, steps[0], contact, h)
         shortest = min(shortest, wanted)
     for k in range(count_transitions(packed.loads)):
-        s = load_crossing(packed.loads, k, q, v, a, h, EVENT_TOL)[0]
+        i, transition = transition_of(k)
+        load = packed.loads.records[i]
+        mode = packed.loads.modes[i]
+        s = load_crossing(load, mode, transition, q, v, a, h, EVENT_TOL)[0]
         if s <= 1.0 and (1.0 - s) * h > 2.0 * EVENT_MARGIN * least:
             shortest = min(shortest, s * h + EVENT_MARGIN * least)
     return shortest if shortest < math.inf else -1.0

@@ -17,9 +17,9 @@ import numpy as np
 from presswear.physics.event_time import crossing, hermite
 from presswear.physics.force_peak import peak_within
 from presswear.physics.load_transitions import transition_at_start, transition_value
-from presswear.physics.loads import Loads
+from presswear.physics.loads import LOAD, MODE
 from presswear.tools.arrays import Array
-from presswear.tools.compile import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 # Counts of one joint
 COUNTERS = np.dtype(
@@ -113,17 +113,24 @@ def joint_crossing(
     return s, end, start_rate, event_rate
 
 
-@compiled
+@lazily_compiled((0.0, 0.0, 0.0), LOAD, MODE, np.int64(0), 1, 1, 1, 0, 0)
 def load_crossing(
-    loads: Loads, k: int, q: Array, v: Array, a: Array, h: float, behind: float
+    load: Records,
+    mode: Records,
+    transition: int,
+    q: Array,
+    v: Array,
+    a: Array,
+    h: float,
+    behind: float,
 ) -> tuple[float, float, float]:
-    """Return the fraction of a step after which a load is past its transition ``k``; 2 if never.
+    """Return the fraction of a step after which a load is past a transition; 2 if never.
 
     Also return the value of the transition at the end of the step, and its rate at the
     start. A load is past the transition if the value exceeds ``behind``.
     """
-    value, rate = transition_value(loads, k, q, v, a)
-    start, start_rate, _, _ = transition_at_start(loads, k, 0.0)
+    value, rate = transition_value(load, mode, transition, q, v, a)
+    start, start_rate, _, _ = transition_at_start(load, mode, transition, 0.0)
     if value == -math.inf:
         return 2.0, value, start_rate
     value -= behind

@@ -55,7 +55,7 @@ _PASSES = (
 # piece of 2 MB, in which the frames of all nested calls have room.
 _FRAME = 140_000
 
-_OPERATORS = {bool, *filter(callable, vars(operator).values())}
+_OPERATORS: set[Any] = {bool, max, min, *filter(callable, vars(operator).values())}
 _NUMBERS = types.Number, types.Boolean, types.Literal
 _signatures: dict[Any, Any] = {}  # signatures of operators between numbers
 

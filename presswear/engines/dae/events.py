@@ -9,7 +9,11 @@ ends at an angle.
 from presswear.engines.dae.runge_kutta import SPARE, rates
 from presswear.physics.dormand_prince import Tableau
 from presswear.physics.friction_and_normal import corner_ahead
-from presswear.physics.load_transitions import count_transitions, transition_value
+from presswear.physics.load_transitions import (
+    count_transitions,
+    transition_of,
+    transition_value,
+)
 from presswear.physics.touchdown import (
     is_reversed,
     joint_crossing,
@@ -60,7 +64,9 @@ def event_value(
         q = system.q
         v = system.v
         a = system.a
-        return transition_value(system.packed.loads, event - joints, q, v, a)
+        i, transition = transition_of(event - joints)
+        loads = system.packed.loads
+        return transition_value(loads.records[i], loads.modes[i], transition, q, v, a)
     if event == first_corner + 2 * joints:
         reach_end(address, classical, t, h)
         q = system.q
@@ -212,7 +218,10 @@ def first_of_loads(
         if joints + k == excluded:
             continue
         # A smaller value is round-off, or belongs to the event on which the step ends.
-        s, value, rate = load_crossing(loads, k, q, v, a, h, 2.0 * BEHIND)
+        i, transition = transition_of(k)
+        load = loads.records[i]
+        mode = loads.modes[i]
+        s, value, rate = load_crossing(load, mode, transition, q, v, a, h, 2.0 * BEHIND)
         is_new = s * h > MIN_SEPARATION or rate > 0.0 or value > MAX_BEHIND
         if s < fraction and is_new:
             event = joints + k

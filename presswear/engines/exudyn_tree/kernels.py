@@ -38,6 +38,7 @@ from presswear.physics.load_transitions import (
     next_break,
     settle_loads,
     transition_at_start,
+    transition_of,
 )
 from presswear.physics.packed import Packed
 from presswear.physics.step_length import contact_step, longest_step
@@ -157,7 +158,11 @@ def step_to_changes(packed: Packed, smooth: bool, t: float, h: float) -> float:
     """Return the step, s, no longer than ``h``, that ends on the next change of a load's law."""
     h = min(h, next_break(packed.loads) - t)
     for k in range(count_transitions(packed.loads)):
-        p, r, a, j = transition_at_start(packed.loads, k, 1.0 if smooth else 0.0)
+        i, transition = transition_of(k)
+        load = packed.loads.records[i]
+        mode = packed.loads.modes[i]
+        change = 1.0 if smooth else 0.0
+        p, r, a, j = transition_at_start(load, mode, transition, change)
         if p != -math.inf:
             h = step_behind(min(p, 0.0), (r, a, j), smooth, h)
     return h
