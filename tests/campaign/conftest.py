@@ -1,12 +1,11 @@
 """Campaigns with an engine that wears by a law."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from campaign.fake_engine import Campaign, FakeEngine, Seen, Use
+from campaign.fake_engine import FakeEngine, Seen
 from presswear.campaign import runner
 from presswear.campaign.campaign import run_campaign
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -14,7 +13,7 @@ from presswear.scene.scene import Scene
 
 
 @pytest.fixture(scope="module")
-def unwatched() -> Iterator[None]:
+def unwatched():
     """Begin a life without 50 cycles that show whether the motion settles."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runner, "WATCHED_CYCLES", 1)
@@ -22,7 +21,7 @@ def unwatched() -> Iterator[None]:
 
 
 @pytest.fixture
-def use(monkeypatch: pytest.MonkeyPatch) -> Use:
+def use(monkeypatch):
     """Return a function that puts a fake engine in place of any."""
 
     def replace_all(engine: FakeEngine) -> None:
@@ -33,7 +32,7 @@ def use(monkeypatch: pytest.MonkeyPatch) -> Use:
 
 
 @pytest.fixture
-def campaign(use: Use) -> Campaign:
+def campaign(use):
     """Return a function that runs a campaign with a fake engine."""
 
     def run_with(scene: Scene, engine: FakeEngine, **settings: Any) -> Seen:

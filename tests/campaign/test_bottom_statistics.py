@@ -1,5 +1,5 @@
 """Statistics of bottom dead centre: of known strokes, of the press, and with stiffer joints."""
-# mypy: disable-error-code="union-attr,operator"
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import re
 from dataclasses import replace
@@ -21,7 +21,7 @@ from presswear.linkage.servos import Dwell
 from presswear.physics.dead_centre import bottom_of
 from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom_dead_centre import bottom_errors, rise
-from presswear.scene.catalog import clearance_c, ideal, wear_times
+from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import Scene
 from presswear.show.stage_tables import stage_tables
 
@@ -54,7 +54,7 @@ def test_statistics_of_known_strokes():
     scatter = statistics.standard_deviation
     delay = statistics.delay
     assert scatter.mean == pytest.approx(np.sqrt(np.mean(samples.var(axis=1, ddof=1))))
-    assert (scatter.low or 0.0) < 4e-5 < (scatter.high or 0.0)
+    assert scatter.low < 4e-5 < scatter.high
     assert statistics.range_strokes == 10
     assert statistics.range.mean == pytest.approx(np.ptp(samples, axis=1).mean())
     assert statistics.range_of_all == pytest.approx(np.ptp(samples))
@@ -70,7 +70,7 @@ def test_independent_replicates_widen_the_mean_and_not_the_scatter():
     alone = [strokes_of(scene, seed, 3e-4 * seed) for seed in range(4)]
     together = [strokes_of(scene, seed) for seed in range(4)]
     close, wide = (bottom_statistics(scene, together, runs) for runs in ((), alone))
-    assert (wide.error.half_width or 0.0) > 5.0 * (close.error.half_width or np.inf)
+    assert wide.error.half_width > 5.0 * close.error.half_width
     scatters = (
         each.standard_deviation for each in (close, bottom_statistics(scene, alone))
     )
@@ -94,19 +94,6 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry):
     assert np.abs(strokes[1]).max() < 1e-12
     alone = run(replace(scene, cycles=1)).stages[0]
     assert (alone.statistics.bdc is None) == (geometry == "swapped")
-
-
-def test_rise_and_errors_of_a_worn_stage():
-    scene = clearance_c(cycles=4, wear_updates=1, replicates=2, engine="dae")
-    unworn, worn = run(scene, jobs=1).stages
-    errors = [stage.bdc.error for stage in (worn, unworn)]
-    difference = rise(worn, unworn)
-    assert difference.mean == errors[0].mean - errors[1].mean
-    half = np.linalg.norm([each.half_width or np.nan for each in errors])
-    assert difference.half_width == pytest.approx(half)
-    rows = [rows for _, rows in bottom_errors(scene, unworn)]
-    samples = np.concatenate([each[STARTUP_CYCLES:] for each in rows])
-    assert samples.mean() == pytest.approx(errors[1].mean, rel=1e-9)
 
 
 def test_output_at_rest_has_no_bottom():
@@ -136,14 +123,6 @@ def test_dwell_at_the_bottom_has_no_delay(part, cycles):
     plain = run(replace(scene, mechanism=Press())).stages[0].bdc
     assert plain.delay is not None
     assert plain.ideal_dwell < 0.002 * press.period
-
-
-def test_wide_scatter_at_the_bottom_leaves_the_delay():
-    statistics = bottom_statistics(
-        wear_times(), [strokes_of(wear_times(), 1, scatter=4e-4)]
-    )
-    assert statistics.standard_deviation.mean > 2e-4
-    assert statistics.delay is not None
 
 
 def knuckle_press() -> Scene:
@@ -218,9 +197,7 @@ def test_two_equal_bottoms_are_named_in_the_report():
 
 
 @pytest.mark.slow
-def test_a_stiff_joint_becomes_ideal_in_every_figure(
-    capsys,
-):
+def test_a_stiff_joint_becomes_ideal_in_every_figure(capsys):
     """Places with order 1; forces and torques with about 1/2, the half power of a gap that opens.
 
     Where a joint's force passes zero at an even rate a pin crosses its clearance c in a

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.campaign.bumps import bumps_of, median_penetration, noise_of
+from presswear.campaign.bumps import median_penetration, noise_of
 from presswear.results.run_warnings import high_bumps
-from presswear.results.stage_statistics import Bumps
 
 
 def _recorder(time: Any, penetration: Any) -> Any:
@@ -34,29 +33,6 @@ def test_median_penetration_is_weighted_by_time():
     penetration = np.concatenate([np.full(101, 9e-6), [1e-6, 2e-6, -1e-6]])
     assert median_penetration([_recorder(time, penetration)], 0) == 1e-6
     assert median_penetration([_recorder(time, np.full(104, -1e-6))], 0) is None
-
-
-def test_only_a_jump_of_several_replicates_has_bumps():
-    """Surfaces that each replicate wore in steps differ as well, and are smooth."""
-    depth = 1e-9 * np.random.default_rng(1).standard_normal((8, 1, 2, 90))
-    linkage = SimpleNamespace(clearances=[SimpleNamespace(bins=90)])
-    recorders = [_recorder([0.0, 1.0, 2.0], [1e-10, 1e-10, 1e-10])]
-
-    def bumps(runs: int, replicates: int) -> Bumps | None:
-        ensemble: Any = SimpleNamespace(
-            linkage=linkage,
-            depth=depth[:runs],
-            replicates=replicates,
-            runs=(None,) * runs,
-        )
-        return bumps_of(ensemble, recorders)[0]
-
-    assert bumps(4, 4) is None
-    assert bumps(1, 1) is None
-    jumped = bumps(8, 4)
-    assert jumped.are_high
-    assert jumped.height == pytest.approx(noise_of(depth[4:, 0]))
-    assert not Bumps(1e-9, 2e-9).are_high
 
 
 def test_high_bumps_have_no_interval_of_contacts():

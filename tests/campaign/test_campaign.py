@@ -1,26 +1,19 @@
 """Campaigns of stages and wear updates, and their results on disk."""
 
-import json
-from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 from numpy.testing import assert_allclose, assert_array_equal
+from refusals import refused
 
 import presswear as pw
 from presswear.campaign.campaign import run_stage
-from presswear.tools.exudyn import exudyn_module, requested_module
-
-Campaign = tuple[pw.Scene, pw.Result, pw.Result]
-"""A scene, its result in memory, and its result on disk."""
 
 
 @pytest.fixture(scope="module", params=["paper", "refined"])
-def campaign(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Campaign:
+def campaign(request, tmp_path_factory):
     """One fast cycle of the press, worn once as if it had run a million times."""
     settings: dict[str, Any] = {"extrapolation": "single", "conventions": request.param}
     settings |= {
@@ -34,7 +27,7 @@ def campaign(
     return scene, pw.run(scene), pw.run(scene, path)
 
 
-def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign):
+def test_the_next_stage_runs_on_the_amplified_wear(campaign):
     scene, result, _ = campaign
     first, second = result.stages
     assert first.cycles_per_update == scene.cycles_per_update
@@ -47,7 +40,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(campaign: Campaign):
     assert not first.joints["A"].depth("bearing").any()
 
 
-def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign):
+def test_a_result_is_the_same_in_memory_and_on_disk(campaign):
     _, memory, disk = campaign
     assert (memory.scene, memory.status, memory.message) == (
         disk.scene,
@@ -76,13 +69,13 @@ def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Campaign):
     assert disk.to_pandas().loc["first wear", "joints.A.peak_force"] == peak
     for index in (7, "x"):
         stored = r"it has 0 to 1 \(no wear, first wear\)"
-        with pytest.raises(pw.InputError, match=f"has no stage {index!r}; {stored}$"):
+        with refused(f"has no stage {index!r}; {stored}$"):
             disk.stage(index)
     with pytest.raises(TypeError, match="there is no stage 'x'; it has 0 to 1"):
         cast(Any, disk.stages)["x"]
 
 
-def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign):
+def test_open_joints_have_no_force_and_series_hold_the_peak(campaign):
     for stage in campaign[2].stages:
         assert np.all(np.diff(stage.time) > 0.0)
         assert stage.displacement[0] == 0.0
@@ -92,27 +85,6 @@ def test_open_joints_have_no_force_and_series_hold_the_peak(campaign: Campaign):
         joint = stage.joints["A"]
         peak = joint.statistics.peak_force
         assert 0.9 * peak < joint.force[:, 0].max() <= peak
-
-
-def test_result_json_has_provenance_and_resolved_contacts(campaign: Campaign):
-    """On worn surfaces a pin may graze a bump: with other round-off one of some hundred did."""
-    document = json.loads((Path(f"{campaign[2].path}") / "result.json").read_text())
-    exudyn = f"{exudyn_module().config.Version()}, {requested_module()}"
-    assert document["provenance"]["packages"]["exudyn"] == exudyn
-    assert document["provenance"]["python"].startswith("3.")
-    assert document["wall_s"] > 0.0
-    for stage in document["stages"]:
-        assert "clearance: A, C" in stage["diagnostics"]["model"]
-        joint = stage["statistics"]["joints"]["A"]
-        grazed = 0 if stage["index"] == 0 else max(1, joint["contacts"] // 100)
-        assert joint["unresolved_contacts"] <= grazed
-        assert joint["min_steps_per_contact"] >= (
-            3 if joint["unresolved_contacts"] == 0 else 2
-        )
-
-
-Ran = tuple[Path, list[tuple[str, float, str]]]
-"""Folder of the scenes, and what was reported."""
 
 
 def scenes(**settings: Any) -> dict[str, pw.Scene]:
@@ -130,7 +102,7 @@ def scenes(**settings: Any) -> dict[str, pw.Scene]:
 
 
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+def ran(tmp_path_factory):
     folder = tmp_path_factory.mktemp("scenes")
     reported = []
     pw.run_scenes(
@@ -139,7 +111,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     return folder, reported
 
 
-def test_every_scene_has_its_result(ran: Ran):
+def test_every_scene_has_its_result(ran):
     folder, reported = ran
     results = {name: pw.load(folder / name) for name in scenes()}
     assert [result.status for result in results.values()] == [
@@ -156,7 +128,7 @@ def test_every_scene_has_its_result(ran: Ran):
         assert last == [f"{result.status}: {result.message}".removesuffix(": ")]
 
 
-def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path):
+def test_finished_runs_are_read_and_others_run_again(ran, tmp_path):
     before = (ran[0] / "one" / "result.json").stat().st_mtime_ns
     results = pw.run_scenes(scenes(), ran[0], jobs=1)
     assert list(results) == list(scenes())
@@ -176,36 +148,6 @@ def test_finished_runs_are_read_and_others_run_again(ran: Ran, tmp_path):
         ({"../one": pw.scenes.wear_times()}, {}, "cannot name the folder of a scene"),
     ],
 )
-def test_impossible_scenes_are_refused(named, arguments, message, ran: Ran):
-    with pytest.raises(pw.InputError, match=message):
+def test_impossible_scenes_are_refused(named, arguments, message, ran):
+    with refused(message):
         pw.run_scenes(named, ran[0], **arguments)
-
-
-@pytest.mark.slow
-def test_depths_of_few_cycles_are_those_of_many_and_worn_stages_stay_fast():
-    """Eight campaigns of three cycles after the start-up against 1,600 cycles."""
-    settings: dict[str, Any] = {"engine": "dae", "purpose": "wear", "seed": 100}
-    long = pw.scenes.wear_times(wear_updates=0, cycles=202, replicates=8, **settings)
-    reference = run_stage(long)[0]
-    settings |= {"wear_updates": 1, "cycles": 5}
-    few = [
-        pw.run(pw.scenes.wear_times(**settings | {"seed": seed}))
-        for seed in range(1, 9)
-    ]
-    for name in ("A", "C"):
-        truth = reference.joints[name].statistics.wear_peaks["bearing"].depth.mean
-        depths = [
-            one.stages[0].joints[name].statistics.wear_peaks["bearing"].depth
-            for one in few
-        ]
-        half_widths = [depth.half_width or 0.0 for depth in depths]
-        bias = np.mean([depth.mean for depth in depths]) - truth
-        assert abs(bias) < 0.25 * np.mean(half_widths)
-        held = [(one.low or 0.0) <= truth <= (one.high or 0.0) for one in depths]
-        assert sum(held) >= 6
-    steps = [
-        [float(stage.diagnostics["steps"] or 0) for stage in one.stages] for one in few
-    ]
-    times = [[stage.simulated_s for stage in one.stages] for one in few]
-    unworn, worn = np.transpose(np.array(steps) / times)
-    assert np.median(worn / unworn) < 1.5

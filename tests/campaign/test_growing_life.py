@@ -2,36 +2,29 @@
 # mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
+from refusals import refused
 from rich.console import Console
 from scipy import stats
 
 from campaign.fake_engine import (
     RATE,
     REPRESENTED,
-    RUN_IN,
-    RUNS_IN,
     SCENE,
     SHAPE,
-    Campaign,
     FakeEngine,
     Seen,
     Stops,
     Use,
-    constant,
     exponential,
 )
 from presswear.campaign import runs
 from presswear.cli import run_observer
-from presswear.cli.life import announcing
 from presswear.cli.run_observer import RunObserver
 from presswear.cli.terminal import progress_bar
 from presswear.linkage.materials import Materials
@@ -43,9 +36,7 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.options import Life
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed
 from presswear.show.report import render_report
-from presswear.tools.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("unwatched")
 LIMIT = 0.1e-3
@@ -68,17 +59,7 @@ def interrupted_life(path: Path, use: Use, number: int, tolerance: float) -> Sce
     return scene
 
 
-@pytest.mark.slow
-def test_life_of_surfaces_that_run_in_again(campaign: Campaign):
-    """The bushing is replaced at half of the strokes that wear it to the limit by the law."""
-    whole = float(RUNS_IN.archard_depth(np.array(LIMIT)) / (RATE * SHAPE[0].max()))
-    life = replace(UNTIL, replaced=f"A@{0.5 * whole!r}")
-    scene = replace(changed(LIFE, RUN_IN), life=life)
-    seen = campaign(scene, FakeEngine(constant), tolerance=0.1)
-    assert seen.life.strokes == pytest.approx(1.5 * whole, rel=0.02)
-
-
-def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
+def test_a_finished_refinement_gives_a_preliminary_life(use, tmp_path):
     """It is stored with its state, and reported, while the next refinement runs."""
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 2, 0.1)
@@ -92,7 +73,7 @@ def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     assert "an unknown error of the wear steps; refinement 2 runs next" in f"{life}"
     assert "a preliminary life and 0 of 2 stages are stored" in unfinished(result)
     assert state in render_report(result)
-    with pytest.raises(InputError, match="its life is preliminary, without curves"):
+    with refused("its life is preliminary, without curves"):
         life_table(result)
     finished = runs.run(scene, path, jobs=1).life
     assert finished.ended == "limit"
@@ -101,11 +82,11 @@ def test_a_finished_refinement_gives_a_preliminary_life(use: Use, tmp_path):
     assert first == life.refinements[0]
 
 
-def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path):
+def test_a_looser_tolerance_resumes_a_life(use, tmp_path):
     """Refinements that meet it already give the life at once; a tighter one is refused."""
     path = tmp_path / "life"
     scene = interrupted_life(path, use, 3, 2e-3)
-    with pytest.raises(InputError, match=r"tolerance is 0\.002 there and 0\.001 here"):
+    with refused(r"tolerance is 0\.002 there and 0\.001 here"):
         runs.run(replace(scene, tolerance=1e-3), path, jobs=1)
     words = Seen()
     result = runs.run(replace(scene, tolerance=0.3), path, observers=[words], jobs=1)
@@ -113,26 +94,11 @@ def test_a_looser_tolerance_resumes_a_life(use: Use, tmp_path):
     assert (result.status, result.scene.tolerance) == ("completed", 0.3)
     assert result.life.ended == "limit"
     assert len(result.life.refinements) == 2
-    assert 2e-3 < (result.life.error or 0.0) < 0.3
-
-
-def test_a_looser_tolerance_completes_a_life_that_was_not_known(use: Use, tmp_path):
-    path = tmp_path / "life"
-    scene = replace(LIFE, tolerance=1e-3, life=replace(UNTIL, max_cycles=300))
-    use(FakeEngine(exponential))
-    assert runs.run(scene, path, jobs=1).status == "unconverged"
-    result = runs.run(replace(scene, tolerance=0.3), path, jobs=1)
-    assert (result.status, result.message, result.scene.tolerance) == (
-        "completed",
-        "",
-        0.3,
-    )
+    assert 2e-3 < result.life.error < 0.3
 
 
 @pytest.fixture(params=["y", "n"])
-def answers(
-    request: pytest.FixtureRequest, use: Use, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[str]:
+def answers(request, use, monkeypatch):
     """Return the answer to the one question before a life."""
     left = [request.param]
     use(FakeEngine(exponential))
@@ -163,25 +129,6 @@ def test_a_long_life_is_announced_and_confirmed(answers, tmp_path):
     assert "cycles of all replicates" in console.file.getvalue()  # type: ignore[attr-defined]
 
 
-def test_compared_lives_are_announced_and_confirmed_once(answers, tmp_path):
-    console = Console(file=StringIO(), force_terminal=True, width=200)
-    scene = replace(LIFE, tolerance=0.1)
-    announce = announcing(progress_bar(console), 2.0, False)
-    lives = {"plain": scene, "other": replace(scene, seed=1)}
-    run_lives = partial(
-        runs.run_scenes, lives, tmp_path, jobs=1, on_life_start=announce
-    )
-    if answers == "n":
-        with pytest.raises(KeyboardInterrupt):
-            run_lives()
-    else:
-        assert [result.status for result in run_lives().values()] == ["completed"] * 2
-    shown = console.file.getvalue()  # type: ignore[attr-defined]
-    assert "plain: the life needs " in shown
-    assert "all lives take " in shown
-    assert ("other: the life needs " in shown) == (answers == "y")
-
-
 class Noted(RunObserver):
     """Keeps the announced cycles."""
 
@@ -201,7 +148,7 @@ def quick(until: str = UNTIL.until, **settings: Any) -> Scene:
     )
 
 
-def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
+def test_a_quick_life_takes_two_rates(use, tmp_path):
     """dh/dN = a + b h: up to half of the limit at the rate a, then at the rate a + b h."""
     use(FakeEngine(exponential))
     path = tmp_path / "life"
@@ -229,17 +176,17 @@ def test_a_quick_life_takes_two_rates(use: Use, tmp_path):
     assert math.exp(life.scatter) == pytest.approx(math.sqrt(high / low), rel=1e-12)
     assert f"{life}".startswith("quick life: ")
     assert "This life is quick, without an interval" in render_report(result)
-    with pytest.raises(InputError, match="its life is quick, without curves"):
+    with refused("its life is quick, without curves"):
         life_table(result)
 
 
-def test_a_quick_life_runs_two_short_stages(use: Use):
+def test_a_quick_life_runs_two_short_stages(use):
     use(FakeEngine(exponential))
     result = runs.run(quick(replicates=3), jobs=1)
     assert [stage.statistics.cycles for stage in result.stages] == [30, 30]
 
 
-def test_an_interrupted_quick_life_resumes(use: Use, tmp_path):
+def test_an_interrupted_quick_life_resumes(use, tmp_path):
     class StopsInTheSecondStage(Observer):
         def on_progress(self, progress: Progress) -> None:
             if progress.stage == 1:
@@ -275,5 +222,5 @@ def test_an_interrupted_quick_life_resumes(use: Use, tmp_path):
     ],
 )
 def test_a_quick_life_of_other_limits_is_refused(until, settings, message):
-    with pytest.raises(InputError, match=message):
+    with refused(message):
         quick(until, **settings)

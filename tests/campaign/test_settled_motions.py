@@ -10,13 +10,10 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from campaign.fake_engine import SCENE, FakeEngine, Seen, Stops, Use, exponential
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.columns import cycle_column, cycle_columns
 from presswear.results.motions import needs_warning, sentence_of, state_of
 from presswear.results.stage_statistics import StageStatistics
-from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.scene import Scene
 from presswear.show.key_numbers import key_numbers
 from presswear.show.limits import limit_lines
@@ -25,7 +22,7 @@ from presswear.tools.arrays import Array
 
 
 @pytest.fixture(scope="module")
-def slow_crank() -> Scene:
+def slow_crank():
     """A slider-crank that rattles for some 40 cycles and then runs with 299 N and no touchdown."""
     return pw.Scene(
         pw.SliderCrank(speed=2.0 * math.pi * 1000.0 / 60.0, slide_angle=0.0),
@@ -54,13 +51,11 @@ def rows_of(
 
 
 @pytest.fixture(scope="module")
-def joints(slow_crank: Scene) -> tuple[ClearanceJoint, ...]:
+def joints(slow_crank):
     return slow_crank.linkage().clearances
 
 
-def test_runs_of_which_some_have_settled_are_mixed(
-    joints: tuple[ClearanceJoint, ...],
-):
+def test_runs_of_which_some_have_settled_are_mixed(joints):
     settling = settling_of(joints, [rows_of(30, 40), rows_of(12, 58), rows_of(70, 0)])
     assert settling.verdict == "mixed"
     assert settling.starts == (30, 12, None)
@@ -78,9 +73,7 @@ def test_runs_of_which_some_have_settled_are_mixed(
     assert not any(settling.skipped(k) for k in range(3))
 
 
-def test_motions_of_different_forces_coexist(
-    joints: tuple[ClearanceJoint, ...],
-):
+def test_motions_of_different_forces_coexist(joints):
     settling = settling_of(
         joints, [rows_of(5, 40), rows_of(9, 40), rows_of(5, 40, 600.0)]
     )
@@ -90,9 +83,7 @@ def test_motions_of_different_forces_coexist(
     assert state_of(settling) == "settled on 2 different regular motions in 3 runs"
 
 
-def test_settled_runs_have_their_samples_from_the_regular_motion(
-    joints: tuple[ClearanceJoint, ...],
-):
+def test_settled_runs_have_their_samples_from_the_regular_motion(joints):
     settling = settling_of(joints, [rows_of(20, 40), rows_of(33, 40)])
     assert settling.verdict == "settled"
     # The first two cycles of the regular motion count as start-up.
@@ -100,15 +91,7 @@ def test_settled_runs_have_their_samples_from_the_regular_motion(
     assert needs_warning(settling)
 
 
-def test_runs_that_settle_at_once_need_no_warning(
-    joints: tuple[ClearanceJoint, ...],
-):
-    settling = settling_of(joints, [rows_of(2, 40), rows_of(3, 40)])
-    assert not needs_warning(settling)
-    assert state_of(settling) == "settled, regular in 2 runs after 2 to 3 strokes"
-
-
-def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]):
+def test_irregular_runs_bound_the_half_life(joints):
     settling = settling_of(joints, [rows_of(60, 0)] * 4)
     assert settling.half_life is None
     # No end in 4 x 48 cycles: 2^(-192 / T) = 0.05.
@@ -119,7 +102,7 @@ def test_irregular_runs_bound_the_half_life(joints: tuple[ClearanceJoint, ...]):
     assert state_of(settling) == "not settled, irregular in 4 runs of 60 strokes"
 
 
-def test_few_cycles_show_nothing(joints: tuple[ClearanceJoint, ...]):
+def test_few_cycles_show_nothing(joints):
     settling = settling_of(joints, [rows_of(7, 0)] * 4)
     assert settling.verdict == "unwatched"
     assert state_of(settling) == "7 strokes are too few to see whether it settles"
@@ -135,7 +118,7 @@ def statistics_of(scene: Scene) -> tuple[pw.Result, StageStatistics]:
     return result, result.stages[0].statistics
 
 
-def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene):
+def test_a_run_goes_on_until_all_replicates_agree(slow_crank):
     """The peak of 298.9 N was found by another simulator; the first strokes have 1,900 N.
 
     With a half-life of 30 to 40 cycles, one of a thousand runs of 400 cycles is still
@@ -154,7 +137,7 @@ def test_a_run_goes_on_until_all_replicates_agree(slow_crank: Scene):
     assert "same regular motion" in warnings(result)[0]
 
 
-def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene):
+def test_runs_that_do_not_agree_are_unconverged(slow_crank):
     """In 24 of some 40 cycles some of eight runs settle and others do not, for most seeds."""
     for seed in range(1, 40):
         scene = pw.changed(slow_crank, {"cycles": 24, "seed": seed, "replicates": 8})
@@ -178,7 +161,7 @@ def test_runs_that_do_not_agree_are_unconverged(slow_crank: Scene):
     )
 
 
-def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene):
+def test_a_life_wears_in_the_motion_that_goes_on(slow_crank):
     """Of 50 strokes; for some seeds neither of two runs settles in them."""
     life = pw.Life(until="B.depth > 5 um")
     changes: dict[str, Any] = {
@@ -201,19 +184,3 @@ def test_a_life_wears_in_the_motion_that_goes_on(slow_crank: Scene):
     assert result.life.settled[0] == 2
     forces = result.life.curves["B.force_max"][:, 0]
     assert forces.max() < 450.0
-
-
-def test_the_watched_motion_before_a_life_is_a_small_part_of_it(use: Use):
-    """50 cycles; up to 0.3 mm 75 of half a percent of the clearance, and then twice as many."""
-    use(FakeEngine(exponential))
-    life = pw.Life(until="A.depth > 0.3 mm")
-    scene = replace(
-        SCENE, conventions=CONVENTIONS["refined"], life=life, wear_updates=1
-    )
-    seen = Seen()
-    with pytest.raises(KeyboardInterrupt):
-        pw.run(scene, observers=[seen, Stops("refinement 1")], jobs=1)
-    progress = seen.progress
-    watched = [each.whole for each in progress if "does the motion settle" in each.word]
-    assert watched
-    assert 0.0 < max(watched) < 50.0 / (75.0 + 150.0)

@@ -1,4 +1,5 @@
 """Tables for other programs, names of joints in them, and lives beside each other."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import csv
 import math
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from four_bar_linkage import FOUR_BAR
 from numpy.testing import assert_array_equal
+from refusals import refused
 
 import presswear as pw
 from presswear.recording.columns import CYCLE, JOINT_CYCLE
@@ -61,7 +63,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path):
         "crank 2_angle": "rad",
     }
     assert {name: unit_of(name) for name in units} == units
-    with pytest.raises(pw.InputError, match="slider"):
+    with refused("slider"):
         unit_of("slider")
 
 
@@ -82,7 +84,7 @@ def test_numpy_reads_the_names_and_skips_the_units(tmp_path):
 def test_a_wrong_table_is_refused_in_one_line(text, word, tmp_path):
     path = tmp_path / "theirs.csv"
     path.write_text(text)
-    with pytest.raises(pw.InputError, match=f"theirs.csv.*{word}"):
+    with refused(f"theirs.csv.*{word}"):
         read_table(path)
 
 
@@ -110,7 +112,7 @@ def test_ours_is_interpolated_at_their_times():
         (0.5, "B_sliding", "B_sliding"),
     ):
         foreign = {"time": np.array([when]), column: np.zeros(1)}
-        with pytest.raises(pw.InputError, match=word):
+        with refused(word):
             compare_tables(ours, foreign, None, 1e-3)
 
 
@@ -173,15 +175,11 @@ def test_moments_of_strokes_are_exported(folder):
         f"{name}_{end}" for name in moments for end in ("time", "height")
     ]
     process = scene.process
-    assert process is not None
-    assert process.fracture is not None
     assert table["contact_height"] == pytest.approx(process.height, rel=1e-6)
     broken = process.height - process.fracture
     assert table["fracture_height"] == pytest.approx(broken, rel=1e-6)
     assert np.all(table["contact_time"] < table["fracture_time"])
-    with pytest.raises(
-        pw.InputError, match="has no strokes to write: the scene has no process"
-    ):
+    with refused("has no strokes to write: the scene has no process"):
         strokes_table(pw.load(folder), 0)
 
 
@@ -217,7 +215,7 @@ def test_a_life_is_exported_with_units(tmp_path):
     assert (
         f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
     )
-    with pytest.raises(pw.InputError, match="has no life to write"):
+    with refused("has no life to write"):
         life_table(replace(result, life=None))
 
 
@@ -254,14 +252,12 @@ def test_names_are_carried_to_the_table(name, tmp_path):
 
 @pytest.mark.parametrize("name", ["", " pin", "a/b", "a.b", "a,b", "a\nb", "none"])
 def test_a_name_that_files_or_lists_cannot_hold_is_refused(name):
-    with pytest.raises(pw.InputError, match="name"):
+    with refused("name"):
         named(name)
 
 
 def test_two_joints_whose_arrays_could_be_mixed_up_are_refused():
-    with pytest.raises(
-        pw.InputError, match="must not begin with B_, because B is a joint too"
-    ):
+    with refused("must not begin with B_, because B is a joint too"):
         named("B", "B_force")
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from endurance.sameness import folder_differences
+from refusals import refused
 
 import presswear as pw
 from presswear.campaign.checkpoint import Checkpoint
@@ -134,7 +135,7 @@ def test_other_program_is_refused(change, words, halted):
         document["provenance"].update(change)
         write_json(halted / FILE, document)
     before = {file.name: file.read_bytes() for file in halted.iterdir()}
-    with pytest.raises(pw.InputError, match=words):
+    with refused(words):
         ResultFolder(halted, scene, resume=True)
     assert {file.name: file.read_bytes() for file in halted.iterdir()} == before
 
@@ -147,7 +148,7 @@ def test_a_wrong_checkpoint_is_named_and_left(halted, tmp_path):
     )
     for data in (file.read_bytes()[:-1], other.read_bytes()):
         file.write_bytes(data)
-        with pytest.raises(pw.InputError, match=f"{file.name} is cut off or altered"):
+        with refused(f"{file.name} is cut off or altered"):
             ResultFolder(halted, SCENE, resume=True)
         assert file.read_bytes() == data
 
@@ -159,26 +160,24 @@ def test_damaged_results_are_named(whole, tmp_path):
         data = bytearray((path / name).read_bytes())
         data[len(data) // 2] ^= 4
         (path / name).write_bytes(data)
-        with pytest.raises(pw.InputError, match=f"{name} is cut off or altered"):
+        with refused(f"{name} is cut off or altered"):
             pw.load(path)
         (path / name).unlink()
-        with pytest.raises(pw.InputError, match=f"{name} is missing"):
+        with refused(f"{name} is missing"):
             pw.load(path)
 
 
 def test_a_run_in_a_folder_is_not_disturbed_and_other_files_stay(tmp_path):
     first = ResultFolder(tmp_path / "out", SCENE)
     for resume in (False, True):
-        with pytest.raises(
-            pw.InputError, match="is writing to it" if resume else "not empty"
-        ):
+        with refused("is writing to it" if resume else "not empty"):
             ResultFolder(tmp_path / "out", SCENE, resume=resume)
     assert "is writing to it" in unfinished(pw.load(first.path))
     first.discard()
     assert not (tmp_path / "out").exists()
     (tmp_path / "precious").write_text("mine")
     for resume, words in ((False, "not empty"), (True, "no run to resume")):
-        with pytest.raises(pw.InputError, match=words):
+        with refused(words):
             ResultFolder(tmp_path, SCENE, resume=resume)
     assert [item.name for item in tmp_path.iterdir()] == ["precious"]
 
@@ -301,7 +300,7 @@ def test_wrong_parts(document, tmp_path, place, value, says):
         owner = owner[int(key) if isinstance(owner, list) else key]
     owner[int(last) if isinstance(owner, list) else last] = value
     (tmp_path / FILE).write_text(json.dumps(changed))
-    with pytest.raises(pw.InputError, match=f"{FILE}.*{says}"):
+    with refused(f"{FILE}.*{says}"):
         read_stored(tmp_path)
 
 
@@ -316,7 +315,7 @@ NO_SCENE = json.dumps(
 )
 def test_a_folder_that_holds_no_result_is_refused(tmp_path, text):
     (tmp_path / FILE).write_text(text, encoding="latin-1")
-    with pytest.raises(pw.InputError, match=FILE):
+    with refused(FILE):
         pw.load(tmp_path)
 
 

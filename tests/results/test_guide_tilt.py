@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 from rich.console import Console
 from upright_press import upright_crank
 
@@ -172,7 +173,7 @@ def test_the_report_has_the_wear_of_the_walls(result):
     for line, each in zip(axes.lines, depth, strict=True):
         assert np.asarray(line.get_xdata()) == pytest.approx(1e3 * place)
         assert np.asarray(line.get_ydata()) == pytest.approx(1e12 * each)
-    with pytest.raises(pw.InputError, match="slide"):
+    with refused("slide"):
         result.stages[0].wall_wear("slide")
 
 
@@ -200,7 +201,7 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(result):
         walls = sorted(float(each[0]) for each in drawn if each.size == 2)
         assert walls == pytest.approx([-50.0, 50.0])
     ideal = replace(result, scene=replace(result.scene, joints="none", bearings={}))
-    with pytest.raises(pw.InputError, match="nothing to draw"):
+    with refused("nothing to draw"):
         ideal.plot("tilt")
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import presswear as pw
 from presswear.results.folder import FILE
@@ -79,9 +80,7 @@ def test_pipes_and_devices_are_not_read(received, name, target):
         os.mkfifo(received / name)
     else:
         (received / name).symlink_to(target)
-    with pytest.raises(
-        pw.InputError, match=r"not a regular file|is not a result folder"
-    ):
+    with refused(r"not a regular file|is not a result folder"):
         pw.load(received)
 
 
@@ -90,7 +89,7 @@ def test_arrays_larger_than_a_run_writes_are_not_unpacked(received, name):
     data = bomb()
     plant(received, name, data)
     assert len(data) < 2**18
-    with pytest.raises(pw.InputError, match="its arrays have 105 MB"):
+    with refused("its arrays have 105 MB"):
         print(pw.load(received).stages[0].film)
 
 
@@ -99,14 +98,14 @@ def test_methods_without_a_limit_of_size_are_refused(received):
     with zipfile.ZipFile(data, "w", zipfile.ZIP_BZIP2) as archive:
         archive.writestr("time.npy", b"")
     plant(received, STAGE, data.getvalue())
-    with pytest.raises(pw.InputError, match="not compressed by deflate"):
+    with refused("not compressed by deflate"):
         pw.load(received)
 
 
 def test_a_file_that_is_too_long_is_not_read(received):
     with (received / FILM).open("r+b") as film:
         film.truncate(2**32)  # on the disk it takes nothing
-    with pytest.raises(pw.InputError, match="at most"):
+    with refused("at most"):
         pw.load(received)
 
 
@@ -128,7 +127,7 @@ def test_a_document_of_many_lists_is_refused_at_once(
     (received / FILE).write_text(long)
     began = time.process_time()
     if item == "[],":
-        with pytest.raises(pw.InputError, match=message):
+        with refused(message):
             pw.load(received)
     else:
         pw.load(received)
@@ -140,7 +139,7 @@ def test_members_that_are_no_arrays_are_named(received):
     with zipfile.ZipFile(data, "a") as archive:
         archive.writestr("note", "text")
     plant(received, STAGE, data.getvalue())
-    with pytest.raises(pw.InputError, match="note is no array"):
+    with refused("note is no array"):
         pw.load(received)
 
 
@@ -168,7 +167,7 @@ def test_misshapen_arrays_are_named(received):
                 changes.append(shorter)
             for change in changes:
                 plant(received, name, packed(arrays | {key: change(array)}))
-                with pytest.raises(pw.InputError, match=name):
+                with refused(name):
                     print(pw.load(received).stages[0].film)
         plant(received, name, original)
 
@@ -207,7 +206,7 @@ def test_a_claim_of_many_cycles_does_not_unpack_a_bomb(received):
         stage["statistics"]["cycles"] = 10**12
     (received / FILE).write_text(json.dumps(document))
     plant(received, STAGE, bomb())
-    with pytest.raises(pw.InputError, match="its arrays have 105 MB, expected are 7"):
+    with refused("its arrays have 105 MB, expected are 7"):
         pw.load(received)
 
 
@@ -223,7 +222,7 @@ def test_numbers_of_a_stage_are_finite_and_its_times_within_its_cycles(received)
         wrong = arrays[name].copy()
         wrong.flat[-1] = value
         plant(received, STAGE, packed(arrays | {name: wrong}))
-        with pytest.raises(pw.InputError, match=message):
+        with refused(message):
             pw.load(received)
 
 
@@ -252,7 +251,7 @@ def test_an_empty_checkpoint_is_refused(received):
         },
     }
     (received / FILE).write_text(json.dumps(document))
-    with pytest.raises(pw.InputError, match="its checkpoint is of another scene"):
+    with refused("its checkpoint is of another scene"):
         pw.run(stored_scene(received)[0], received)
 
 
