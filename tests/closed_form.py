@@ -201,12 +201,10 @@ def needed_by_virtual_work(
     return -np.column_stack([np.sum(force * way, axis=1) for way in ways])
 
 
-def slider_crank_motion(
-    mechanism: SliderCrank, time: Array, turning: Turning | None = None
-) -> Motion:
-    """Motion of the slider-crank with all joints closed; the crank turns evenly by default."""
+def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
+    """Motion of the slider-crank with all joints closed; the crank turns evenly."""
     o = fixed(0.0, 0.0, time.size)
-    turning = turning or (mechanism.speed * time, mechanism.speed, 0.0)
+    turning = mechanism.speed * time, mechanism.speed, 0.0
     a = crank(o, mechanism.crank_length, turning)
     b = slide(a, mechanism.rod_length, 0.0, 1.0, 1.0)
     axes = {"crank": ("O", "A"), "rod": ("A", "B")}

@@ -47,13 +47,6 @@ def test_a_linkage_without_drives_needs_a_duration_and_no_cycle():
         pw.simulate(bar, start)
 
 
-def test_engines_agree():
-    linkage = pw.scenes.slider_crank().linkage()
-    tree = pw.simulate(linkage, duration="1 ms", engine="exudyn-tree")
-    own = pw.simulate(linkage, duration=1e-3, engine=pw.engines.InHouse())
-    assert_allclose(tree.end.position, own.end.position, atol=1e-8)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -130,12 +130,6 @@ class Pair:
         work, pressure = forces.wear_rates[0]
         return float(work), float(pressure)
 
-    def moment_of(self, load: JointLoad) -> float:
-        """Return the moment of all forces on both bodies about the origin, N m."""
-        q = self.q
-        of_forces = (q[3] - q[0]) * load.y - (q[4] - q[1]) * load.x
-        return float(of_forces + load.pin_moment + load.bearing_moment)
-
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """Return the state a time later at constant acceleration."""
         a = np.zeros(6) if acceleration is None else acceleration

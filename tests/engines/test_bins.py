@@ -66,16 +66,3 @@ def test_each_joint_adds_its_wear_to_its_own_bins(engine: Engine):
     # The depth of a coarse bin is the mean over the fine bins in its range of angle.
     means = fine_maps.reshape(2, 2, COARSE, -1).mean(axis=3)
     assert_allclose(maps[1, :, :COARSE], means[1], rtol=1e-9, atol=1e-9 * means.max())
-
-
-@pytest.mark.parametrize("joint", ["A", "C"])
-def test_motion_on_worn_surfaces_converges_with_the_bins(joint):
-    """A joint has 16 or 64 bins in place of 256."""
-
-    def end_position(count: int) -> NDArray[np.float64]:
-        bins = {"A": FINE, "C": FINE, joint: count}
-        return run_press(ENGINES[1], bins, is_worn=True).end.position
-
-    fine = end_position(FINE)
-    assert np.abs(end_position(COARSE) - fine).max() < 5e-8
-    assert np.abs(end_position(COARSE // 4) - fine).max() > 2e-7

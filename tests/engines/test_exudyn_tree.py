@@ -5,17 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from branches import branching, open_tree, placed, without
 from runs import run_scene
 
 from presswear.campaign.replicates import start_of
-from presswear.engines.base import Plan, Run, Start, recorder_of
+from presswear.engines.base import Plan, Run, recorder_of
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import FINEST, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.loads import Load
-from presswear.linkage.points import Attachment
-from presswear.linkage.spring import Spring
 from presswear.linkage.surface import Surface
 from presswear.linkage.wear_law import Slip
 from presswear.scene.catalog import wear_times
@@ -118,51 +114,6 @@ def test_every_touch_is_landed_on_and_resolved():
     for k, fewest in enumerate(counters["fewest_steps"]):
         assert run.recorder.stored_contacts(k)[:, 5].min() == fewest
     assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
-
-
-@pytest.mark.parametrize("opened", [(), ("N",)], ids=["branching", "loose"])
-def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide(
-    opened,
-):
-    """The slider's frame is turned against its guide, and a pendulum hangs from it."""
-    linkage = replace(
-        without(branching(), *opened),
-        springs=(
-            Spring(
-                "soft",
-                Attachment("far", 0.1, 0.0),
-                Attachment("slider", 0.0, 0.1),
-                40.0,
-                0.1,
-            ),
-            Spring(
-                "grip",
-                Attachment("crank", 0.0, 0.0),
-                Attachment("near", 0.0, 0.0),
-                30.0,
-                0.2,
-            ),
-        ),
-        loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
-    )
-    size = open_tree(linkage).size
-    x = np.linspace(-0.5, 0.4, size)
-    u = np.linspace(-9.0, 6.0, size)
-    q, v = placed(linkage, x, u)
-    start = Start(q, v)
-    plan = Plan(0.2, 1)
-    ours = accuracy(1e-11).simulate(linkage, start, plan)
-    reference = InHouse(integration_tolerance=1e-12, coordinates="all").simulate(
-        linkage, start, plan
-    )
-    assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
-    assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
-    assert ours.recorder.records.torque == pytest.approx(
-        reference.recorder.records.torque, abs=1e-6
-    )
-    work = float(reference.diagnostics["drive_work_J"])
-    assert abs(work) > 1.0
-    assert ours.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-7)
 
 
 def test_a_linkage_with_a_loop_is_refused_by_name():

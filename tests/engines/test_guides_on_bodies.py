@@ -6,9 +6,6 @@ import pytest
 from marks import slow_in
 from runs import compare_engines, run_scene
 from slotted import (
-    RADIUS,
-    SPEED,
-    YOKE_MASS,
     scotch_yoke,
     shaper,
     skew_quick_return,
@@ -16,8 +13,7 @@ from slotted import (
     swinging_block,
 )
 
-from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.bodies import Body
+from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -55,25 +51,3 @@ def test_a_slot_on_a_driven_body_is_explained():
     assert isinstance(
         _scene(slotted_crank(), joints="A", engine="exudyn").solver, ExudynJoints
     )
-
-
-def test_wear_of_the_pin_of_a_yoke():
-    """The yoke reverses twice in a cycle, so that its pin is worn by 4 R m w^2 r N m.
-
-    The force of the pin turns the momentum m w r round in each half of a cycle, however
-    its impacts share it, and the pin slides by R w in its bearing.
-    """
-    radius = 0.02
-    bearing = Bearing(
-        clearance=5e-5, bearing_radius=radius, friction=0.0, restitution=0.5
-    )
-    linkage = scotch_yoke()
-    blocks = [
-        Body("block", 1e-3) if body.name == "block" else body for body in linkage.bodies
-    ]
-    linkage = linkage.changed(bodies=blocks)
-    scene = Scene(linkage, joints="A", bearings=bearing, wear_updates=1, cycles=4)
-    run = run_scene(scene, InHouse(), 4.0 * linkage.period)
-    per_cycle = float(run.recorder.each_cycle("load_distance", 0)[0]) / 4.0
-    expected = 4.0 * radius * YOKE_MASS * SPEED**2 * RADIUS
-    assert per_cycle == pytest.approx(expected, rel=0.01)

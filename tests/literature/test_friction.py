@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import presswear as pw
 from presswear.engines.base import Plan, Run
-from presswear.engines.exudyn_joints.interaction_states import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings, greatest_bristle_damping
@@ -24,7 +22,6 @@ from presswear.physics.interactions.lugre import (
     Bristles,
     bristle_force,
     bristle_rate,
-    bristles_of,
 )
 from presswear.validation import reference_problems as references
 
@@ -94,53 +91,6 @@ def borne_by_bristles(run: Run) -> float:
     """Friction over normal force at the end, sigma_0 z where the bristles hardly move."""
     contact = run.recorder.records.contacts[0]
     return abs(float(contact["tangential"])) / float(contact["normal"])
-
-
-def bristle_step(bristle: float, first: float, last: float, h: float) -> float:
-    """Return the bristles after a step between two sliding speeds, in Exudyn's joints."""
-
-    def mean_rate(bristle: float) -> float:
-        rates = [bristle_rate(speed, bristle, True, law) for speed in (first, last)]
-        return 0.5 * sum(rates)
-
-    law = bristles_of(LUGRE)
-    scale = STATIC / STIFF
-    rate = mean_rate(bristle)
-    slope = (mean_rate(bristle + scale) - rate) / scale
-    return exponential_step(bristle, rate, slope, h)
-
-
-def bristle_after(time: float, steps: int, speed: float) -> float:
-    h = time / steps
-    bristle = 0.0
-    for i in range(steps):
-        before, after = (speed * math.cos(k * h / time) for k in (i, i + 1))
-        bristle = bristle_step(bristle, before, after, h)
-    return bristle
-
-
-def test_bristles_follow_a_changing_speed_at_second_order():
-    time = 1e-2
-    speed = 2e-3
-
-    def rate(t: float, z: np.ndarray) -> np.ndarray:
-        v = speed * math.cos(t / time)
-        held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((v / STRIBECK) ** 2))
-        return v - STIFF * abs(v) * z / held
-
-    exact = solve_ivp(rate, (0.0, time), [0.0], "DOP853", rtol=1e-12, atol=1e-20).y[
-        0, -1
-    ]
-    coarse, fine = (
-        abs(bristle_after(time, steps, speed) - exact) for steps in (50, 200)
-    )
-    assert fine < 1e-5 * exact
-    assert coarse / fine == pytest.approx(16.0, rel=0.1)
-
-
-def test_bristles_do_not_oscillate_where_steps_are_long():
-    """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
-    assert bristle_step(0.0, 10.0, 10.0, 1e-3) == pytest.approx(DYNAMIC / STIFF)
 
 
 def greatest_push(

@@ -206,16 +206,6 @@ def test_the_two_bottoms_of_the_knuckle_press(tmp_path):
     assert 1e6 * (between - first_bottom) == pytest.approx(13.63, abs=5e-3)
 
 
-def test_bottom_and_stroke_of_the_link_drive(tmp_path):
-    """-2609.99985 mm at 270.0392 degrees; 1004.93291 mm."""
-    scene = scene_of("link-drive", tmp_path)
-    angle, bottom = extreme(scene.mechanism.linkage(), math.radians(270.0))
-    assert 1e3 * bottom == pytest.approx(-2609.99985, abs=1e-5)
-    assert math.degrees(angle) == pytest.approx(270.0392, abs=1e-4)
-    assert 1e3 * scene.bottom == pytest.approx(-2609.99985, abs=1e-5)
-    assert 1e3 * scene.stroke == pytest.approx(1004.93291, abs=2e-5)
-
-
 def static_torque_of(kind: str, scene: pw.Scene) -> float:
     """Return the greatest force of the work times the sinking of the slide, N m."""
     places, *_, size = CASES[kind]

@@ -4,10 +4,8 @@ import math
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.optimize import brentq
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
@@ -19,7 +17,6 @@ from presswear.linkage.normal_law import (
     delivered_restitution,
     greatest_penetration,
 )
-from presswear.linkage.surface import Surface
 from presswear.physics.friction_and_normal import elastic_of, normal_record
 from presswear.scene.bearing import Bearing
 from presswear.scene.conventions import CONVENTIONS
@@ -189,31 +186,6 @@ def test_conforming_pins_deliver_the_same_restitution(elasticity):
     assert delivered(run, SPEED) == pytest.approx(
         delivered_restitution(damping), abs=1e-8
     )
-
-
-@pytest.mark.parametrize("worn", [False, True])
-@pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_new_and_worn_surfaces_have_one_law(worn, engine: Engine, bound):
-    """An elastic impact on a foundation turns at U(delta) = m v^2 / 2, its force at F(delta).
-
-    Round surfaces, whose law is a closed form, and a wear of a femtometre, whose arc is
-    summed.
-    """
-    case = references.Impact(1.0, STIFFNESS, SPEED, CLEARANCE)
-    joint = replace(
-        case.linkage.clearances[0], normal=NormalLaw(STIFFNESS), contact="foundation"
-    )
-    if worn:
-        joint = replace(joint, bearing_surface=Surface(np.full(360, 1e-15)))
-    run = engine.simulate(replace(case.linkage, clearances=(joint,)), case.start, PLAN)
-    law = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
-    energy = 0.5 * MASS * SPEED**2
-    deepest = brentq(
-        lambda x: elastic_of(law, x)[1] - energy, 0.0, CLEARANCE, xtol=1e-16
-    )
-    assert delivered(run, SPEED) == pytest.approx(1.0, abs=bound)
-    contact = first_contact(run)
-    assert contact["peak_force"] == pytest.approx(elastic_of(law, deepest)[0], rel=1e-4)
 
 
 SOFT = """

@@ -18,11 +18,9 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.linkage.wear_law import WearLaw
 from presswear.physics.contact import CONTACT
 from presswear.physics.foundation import (
-    foundation_stiffness,
     greatest_overlap,
     integrate_overlap,
 )
-from presswear.physics.friction_and_normal import round_foundation
 from presswear.physics.overlap import place_of
 from presswear.physics.packed import pack
 from presswear.tools.arrays import Array
@@ -179,19 +177,6 @@ def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity, bins):
     assert at == pytest.approx(result.overlap, rel=0.0, abs=5e-17)
     square = (np.maximum(overlap, 0.0) ** 2).sum() * (s[1] - s[0])
     assert result.square == pytest.approx(square, rel=1e-5, abs=1e-26)
-
-
-@pytest.mark.parametrize("part", [0.5, 1.0, 3.0, 30.0])
-def test_round_surfaces_have_the_closed_form(part):
-    """Where its terms do not cancel; smaller penetrations are those of the sums below."""
-    eccentricity = (1.0 + part) * C
-    stiffness = foundation_stiffness(1e10, C)
-    half = math.acos(C / eccentricity)
-    sine = C * math.sin(half)
-    force = eccentricity * half - sine
-    energy = (eccentricity**2 + 2.0 * C**2) * half - 3.0 * eccentricity * sine
-    expected = stiffness * force, 0.5 * stiffness * energy
-    assert round_foundation(part * C, 1e10, C) == pytest.approx(expected, rel=1e-13)
 
 
 @given(st.floats(-6.0, 2.0), st.floats(0.0, 6.0))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
-from presswear.linkage.load_laws import Harmonics, Law, OverPosition, OverTime, Sense
+from presswear.linkage.load_laws import Law, OverPosition, OverTime, Sense
 from presswear.linkage.loads import Force, Moment
 from presswear.physics.load_transitions import next_break, place_loads, settle_loads
 from presswear.physics.loads import RAMP_SPEED, Loads, load_motion, load_size
@@ -90,25 +90,6 @@ def test_a_table_over_time_is_that_of_numpy(spaces, sizes, steps, repeats):
         assert next_break(packed) > t
         expected = np.interp(t, places, values, period=period or None)
         assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-9)
-
-
-def test_a_table_repeats_with_the_cycle_and_harmonics_are_a_fourier_series():
-    packed = packed_of(OverTime([(0.5, 1.0), (1.0, 3.0)]))
-    assert packed.records["period"].tolist() == [2.0]
-    # The line from 3 N at 1 s to 1 N at 2.5 s has 5 / 3 N at the end of the cycle.
-    at_end = pytest.approx(5.0 / 3.0)
-    assert packed.nodes.tolist() == [
-        [0.0, at_end],
-        [0.5, 1.0],
-        [1.0, 3.0],
-        [2.0, at_end],
-    ]
-    packed = packed_of(Harmonics(0.5, 3.0, [(1.0, 2.0), (0.0, -0.5)]))
-    for t in (0.0, 0.3, 7.0):
-        first = math.cos(3.0 * t) + 2.0 * math.sin(3.0 * t)
-        second = -0.5 * math.sin(6.0 * t)
-        expected = 0.5 + first + second
-        assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_form import press_motion
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from marks import slow
 from upright_press import upright_crank
 
@@ -41,25 +39,6 @@ def play(joint: ClearanceJoint, force: float, worn: float = 0.0) -> float:
     """How far a pin is out of the middle under a force: its clearance and what the law gives."""
     law = joint.normal
     return joint.clearance + worn + (abs(force) / law.stiffness) ** (1.0 / law.exponent)
-
-
-@settings(max_examples=20, deadline=None)
-@given(
-    st.floats(1.0, 1e5),
-    st.floats(1e-5, 1e-3),
-    st.floats(1e-5, 1e-3),
-    st.sampled_from([1.5, 1.0, 2.2]),
-)
-def test_slider_crank_in_line_has_the_play_of_its_joints(
-    force, first, second, exponent
-):
-    """At bottom dead centre crank and rod are in line with the pull: both plays, twice."""
-    pins = (pw.Bearing(clearance=play, exponent=exponent) for play in (first, second))
-    linkage = replace(LIGHT, bearings=dict(zip("AB", pins, strict=True))).linkage()
-    expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
-    assert pw.statics.total_clearance(linkage, force) == pytest.approx(
-        expected, abs=1e-13
-    )
 
 
 @pytest.mark.parametrize(
