@@ -1,10 +1,12 @@
 """Elastic pins: closed forms of a mass on one, the rigid limit, statics, bad input."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from four_bar_linkage import FOUR_BAR
 from marks import slow
 from runs import momenta, residual, run_scene, simulated, step_response
 
@@ -88,33 +90,19 @@ def test_a_block_hangs_lower_by_its_weight_over_the_stiffness():
     assert drop == pytest.approx(-MASS * 9.81 / STIFFNESS, rel=1e-12)
 
 
-def four_bar(stiffness: float | None) -> pw.linkage.Linkage:
-    bodies = [
-        pw.Bar("crank", 0.05, 0.4),
-        pw.Bar("coupler", 0.2, 0.5),
-        pw.Bar("rocker", 0.12, 0.4),
-    ]
-    joints = [
-        pw.Pin("O", (0.0, 0.0), "crank.tail"),
-        pw.Pin("A", "crank.head", "coupler.tail"),
-        pw.Pin("B", "coupler.head", "rocker.head", stiffness),
-        pw.Pin("P", (0.18, 0.0), "rocker.tail"),
-    ]
-    drives = [pw.Drive("crank", 10.0 * math.pi)]
-    guess = {"coupler": 0.5, "rocker": 1.2}
-    return pw.assemble(bodies, joints, drives, "rocker", guess=guess, direction=0.0)
-
-
 def test_a_joint_with_stiffness_has_no_clearance():
+    stiff = [replace(pin, stiffness=1e7) for pin in FOUR_BAR.revolutes]
     with pytest.raises(pw.InputError, match="B"):
-        pw.Scene(four_bar(1e7), bearings={"B": pw.Bearing(clearance=1e-4)})
+        pw.Scene(
+            FOUR_BAR.changed(joints=stiff), bearings={"B": pw.Bearing(clearance=1e-4)}
+        )
     with pytest.raises(pw.InputError, match="stiffness of B = 10 N/m: allowed is 1000"):
         pw.Pin("B", (0.0, 0.0), "a.tail", 10.0)
 
 
 def scene_of(**values: Any) -> pw.Scene:
     bearing = pw.Bearing(clearance=0.0, friction=0.1, **values)
-    return pw.Scene(four_bar(None), bearings={"B": bearing}, purpose="trajectory")
+    return pw.Scene(FOUR_BAR, bearings={"B": bearing}, purpose="trajectory")
 
 
 @pytest.mark.parametrize("engine", [*ENGINES[:2], slow(ENGINES[2])])
@@ -159,6 +147,6 @@ def test_parallel_rods_are_one_with_their_widths_and_stiffness():
     conventions = pw.Scene().conventions
     assert normal_law_of(four, conventions) == normal_law_of(one, conventions)
     joint = clearance_joint(
-        four, four_bar(None).revolutes[0], conventions, (Surface(), Surface())
+        four, FOUR_BAR.revolutes[0], conventions, (Surface(), Surface())
     )
     assert joint.width == 4.0 * one.width

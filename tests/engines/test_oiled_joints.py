@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from marks import slow
-from scipy.integrate import quad
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -27,7 +26,6 @@ from presswear.linkage.loads import Load
 from presswear.linkage.normal_law import NormalLaw, damping_ratio
 from presswear.linkage.oil import Oil
 from presswear.linkage.points import GROUND, Attachment
-from presswear.physics.oil_film import film_of, squeeze_number
 from presswear.validation.reference_problems import free_bodies
 
 CLEARANCE = 5e-5
@@ -85,18 +83,6 @@ def test_squeeze(engine: Engine):
     run = loaded(20e3 + 0.0j, 0.0, 67.849038761e-3, 1e12, engine=engine)
     # The pin has mass: the load reaches the film a little later.
     assert abs(on_film(run, 20e3 + 0.0j)) == pytest.approx(0.5, abs=5e-6)
-
-
-@pytest.mark.parametrize("engine", [IN_HOUSE, slow(ExudynTree())])
-def test_a_dwell_squeezes_the_oil_out(engine: Engine):
-    """Nothing turns: the time of a gap is A / F times the integral of So_sq, t ~ 1 / sqrt(g)."""
-    smooth = Oil(viscosity=0.1, roughness=4e-9, asperity_pressure=1e5)
-    run = loaded(20e3 + 0.0j, 0.0, 2.0, 1e12, engine=engine, oil=smooth)
-    film = film_of(0.08, 0.045, CLEARANCE, smooth.viscosity)
-    gap = 1.0 - abs(on_film(run, 20e3 + 0.0j))
-    assert 0.0 < gap < 0.021
-    number = quad(lambda g: squeeze_number(g, True, film.width_ratio), gap, 1.0)[0]
-    assert film.size / 20e3 * number == pytest.approx(2.0, rel=1e-4)
 
 
 def test_pin_falls_through_oil_of_hardly_any_viscosity():

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import presswear as pw
 from presswear.engines.base import Plan, Run
+from presswear.engines.exudyn_joints.interaction_states import exponential_step
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.friction_law import FrictionLaw
 from presswear.linkage.friction_settings import LuGreSettings, greatest_bristle_damping
@@ -91,6 +92,12 @@ def borne_by_bristles(run: Run) -> float:
     """Friction over normal force at the end, sigma_0 z where the bristles hardly move."""
     contact = run.recorder.records.contacts[0]
     return abs(float(contact["tangential"])) / float(contact["normal"])
+
+
+def test_bristles_do_not_oscillate_where_steps_are_long():
+    """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
+    slope = -10.0 * STIFF / DYNAMIC
+    assert exponential_step(0.0, 10.0, slope, 1e-3) == pytest.approx(DYNAMIC / STIFF)
 
 
 def greatest_push(

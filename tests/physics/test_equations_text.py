@@ -100,18 +100,6 @@ def test_a_linkage_without_written_equations_is_named_with_its_reason(
     assert re.search(reason, result)
 
 
-def test_numbers_stand_beside_their_names():
-    """A rod of 1 m and 3 kg has the inertia 1 kg m^2 about its end."""
-    linkage = pw.assemble(
-        [pw.Bar("rod", 1.0, 3.0), pw.Bar("crank", 0.1, 1.0)],
-        [pw.Pin("O", (0.0, 0.0), "rod.tail"), pw.Pin("C", (1.0, 0.0), "crank.tail")],
-        [pw.Drive("crank", 10.0)],
-        output="rod",
-    )
-    place = [*written(linkage).numbers].index("rod_mobility")
-    assert f"rod_mobility = parameters[{place}]  # 1\n" in written(linkage).listing
-
-
 STORED = """
 import sys
 import numpy as np

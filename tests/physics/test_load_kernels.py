@@ -13,14 +13,13 @@ from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.load_laws import Law, OverPosition, OverTime, Sense
 from presswear.linkage.loads import Force, Moment
-from presswear.physics.load_transitions import next_break, place_loads, settle_loads
+from presswear.physics.load_transitions import place_loads, settle_loads
 from presswear.physics.loads import RAMP_SPEED, Loads, load_motion, load_size
 from presswear.physics.packed import pack
 
 BODY = Body("body", 1.0, 1.0, {"tip": (0.2, -0.1)})
 SPACES = st.lists(st.floats(0.05, 2.0), min_size=2, max_size=6)
 SIZES = st.lists(st.floats(-9.0, 9.0), min_size=7, max_size=7)
-WALK = st.lists(st.floats(-0.7, 0.7), min_size=1, max_size=30)
 
 
 def linkage_of(law: Law, turning: bool = False) -> Linkage:
@@ -51,45 +50,6 @@ def size(packed: Loads, t: float, s: float, v: float) -> float:
 def table_of(spaces: list[float], sizes: list[float]) -> NDArray[np.float64]:
     """Places and sizes of a table, shape (2, n)."""
     return np.array([np.cumsum(spaces) - 1.0, sizes[: len(spaces)]])
-
-
-@given(SPACES, SIZES, WALK, st.booleans(), st.floats(-1.0, 1.0))
-def test_a_table_over_position_is_that_of_numpy(spaces, sizes, walk, held, zero):
-    """The mode has the piece of the table after each step of a random walk."""
-    places, values = table_of(spaces, sizes)
-    if not held:
-        values[0] = 0.0
-        values[-1] = 0.0
-    table = np.column_stack([places, values]).tolist()
-    law = OverPosition(table, outside="hold" if held else "zero", zero=zero)
-    packed = packed_of(law, turning=True)
-    place_loads(packed, np.zeros(3), np.zeros(3))
-    s = 0.0
-    for step in walk:
-        s += step
-        settle(packed, 0.0, s, step)
-        expected = np.interp(s - zero, places, values)
-        assert size(packed, 0.0, s - zero, step) == pytest.approx(expected, abs=1e-9)
-
-
-@given(
-    SPACES, SIZES, st.lists(st.floats(0.0, 0.9), min_size=1, max_size=20), st.booleans()
-)
-def test_a_table_over_time_is_that_of_numpy(spaces, sizes, steps, repeats):
-    """``next_break`` is always later than the last accepted state."""
-    places, values = table_of(spaces, sizes)
-    places += 1.0
-    period = float(places[-1]) + 0.5 if repeats else 0.0
-    law = OverTime(np.column_stack([places, values]).tolist(), period)
-    packed = packed_of(law, turning=True)
-    place_loads(packed, np.zeros(3), np.zeros(3))
-    t = 0.0
-    for step in steps:
-        t = min(t + step, next_break(packed))
-        settle(packed, t, 0.0, 0.0)
-        assert next_break(packed) > t
-        expected = np.interp(t, places, values, period=period or None)
-        assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])

@@ -194,28 +194,6 @@ def flown(scene: Scene, engine: Engine, cycles: float = 1.37) -> Run:
     return run
 
 
-@pytest.mark.parametrize(
-    "engine",
-    [
-        *(kind(free_step=1e-3) for kind in (ExudynTree, ExudynJoints, InHouse)),
-        InHouse(integrator="rk4", equal_step=1e-3),
-    ],
-    ids=["tree", "joints", "dae", "rk4"],
-)
-def test_steps_end_where_a_motion_breaks(engine: Engine):
-    """Steps of 1 ms are rows of the series; each break, the end of the run-up too, is one."""
-    scene = flying(MOTIONS["table, run-up"])
-    run = flown(scene, engine, 2.4)
-    time = run.recorder.series("time")
-    motion = run.recorder.records.motions[0]
-    breaks = [0.0]
-    while breaks[-1] < run.time:
-        breaks.append(break_after(motion, breaks[-1]))
-    assert scene.run_up in breaks
-    for item in breaks[1:-1]:
-        assert np.abs(time - item).min() < 1e-12
-
-
 def test_no_engine_loses_its_order_at_the_breaks_of_a_motion():
     """Steps of a given length against very fine ones; across the breaks errors were 1e-4 to 1e-5.
 

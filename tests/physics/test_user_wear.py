@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bush import COEFFICIENT, bush, worn
 from marks import slow
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import presswear as pw
@@ -70,14 +70,6 @@ def user_wear(name: str, share: float = 0.5) -> UserWear:
 
 def both_sides(*depths: float) -> Array:
     return np.array([depths, depths])
-
-
-def test_a_constant_law_is_archards_to_the_bit():
-    archard = np.random.default_rng(1).uniform(0.0, 1e-4, (3, 2, 50))
-    depth = np.random.default_rng(2).uniform(-1e-6, 1e-4, archard.shape)
-    for name in ("constant", "steady"):
-        assert_array_equal(user_wear(name).worn(depth, archard), archard)
-        assert_array_equal(user_wear(name).archard_depth(depth), depth)
 
 
 @pytest.mark.parametrize("name", ["fading", "aged", "both", "jumps"])

@@ -180,17 +180,6 @@ def test_entry_of_another_kernel_is_not_used(stored):
     assert forces[0] != forces[1]
 
 
-def test_error_while_an_entry_is_read_means_compile(stored, monkeypatch):
-    for error in (KeyError("x"), MemoryError(), RecursionError(), ValueError("x")):
-
-        def fails(*_: object, raised: Exception = error) -> None:
-            raise raised
-
-        with monkeypatch.context() as patch:
-            patch.setattr("presswear.tools.kernel_cache.pickle.loads", fails)
-            assert _compiles()
-
-
 @pytest.mark.parametrize("part", ["CompileResult._reduce", "CompileResult._rebuild"])
 def test_kernels_are_compiled_without_private_parts_of_numba(
     stored,

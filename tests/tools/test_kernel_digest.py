@@ -1,13 +1,10 @@
 """Digests of kernels change with what their machine code depends on, and with nothing else."""
 
-from collections import namedtuple
 from typing import Any
 
-import numba
-import numpy as np
 import pytest
 
-from presswear.tools.kernel_digest import fields_of, function_digest
+from presswear.tools.kernel_digest import function_digest
 
 TEXT = """
 import math
@@ -88,14 +85,3 @@ def test_a_change_of_code_changes_the_digest(before, after):
 def test_other_changes_leave_the_digest(before, after):
     assert before in TEXT
     assert digest_of(TEXT) == digest_of(TEXT.replace(before, after))
-
-
-def test_names_of_fields_belong_to_the_type_of_an_argument():
-    """The names of numba do not contain them."""
-    named: Any = namedtuple
-    kinds = [
-        numba.typeof((np.zeros(2), named("Pair", names)(1.0, 2.0)))
-        for names in ("x y", "y x")
-    ]
-    assert repr(kinds[0]) == repr(kinds[1])
-    assert list(fields_of(kinds[0])) != list(fields_of(kinds[1]))

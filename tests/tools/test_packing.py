@@ -97,22 +97,3 @@ def test_bound_arguments_are_read_may_change_and_stay_alive():
     for call, out, expected in calls:
         assert call(0.0) == out[0] == pytest.approx(expected, abs=1e-12)
     assert len(others) == 1000
-
-
-@compiled
-def _exchange(numbers: Array, pairs: Any) -> float:
-    last = numbers[-1]
-    numbers[-1] = 2.0 * numbers[0]
-    numbers[0] = last
-    numbers[1] = pairs[1].calls
-    return pairs[1].factor + numbers[2]
-
-
-@pytest.mark.parametrize("step", [1, 2])
-def test_elements_at_constant_places(step):
-    numbers = np.arange(4.0 * step)[::step]
-    pairs = np.zeros(2 * step, PAIR)[::step]
-    pairs["calls"][1] = 7
-    pairs["factor"][1] = 0.5
-    assert _exchange(numbers, pairs) == 2.0 * step + 0.5
-    assert numbers.tolist() == [3.0 * step, 7.0, 2.0 * step, 0.0]

@@ -1,14 +1,9 @@
-"""Presses of other programs: `presslink` 0.0.3 and `mechpress` 0.0.11 on PyPI.
-
-Their kinematics were computed a second time by circles that meet, exact to round-off.
-"""
+"""A guide that does not fit the drawing of its slide is refused with both lines."""
 
 import math
 from typing import Any
 
-import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
 import presswear as pw
 from presswear.linkage.linkage import Linkage
@@ -16,25 +11,6 @@ from presswear.physics.ideal import ideal_motion
 from presswear.tools.errors import AssemblyError
 
 MASS: Any = {"mass": "100 kg"}  # the ideal motion does not depend on it
-UP = 0.5 * math.pi
-
-
-def heights(linkage: Linkage, angles: Any) -> np.ndarray:
-    """Return the heights of the slide, m, at crank angles from the start, rad."""
-    ideal = ideal_motion(linkage, linkage.period)
-    time = np.atleast_1d(angles) * linkage.period / (2.0 * math.pi)
-    return ideal.at(time).output(linkage)[:, 0]
-
-
-def extreme(linkage: Linkage, near: float, sign: float = 1.0) -> tuple[float, float]:
-    """Return crank angle, rad, and height, m, of the lowest (or highest) place near an angle."""
-    found = minimize_scalar(
-        lambda angle: sign * heights(linkage, [angle])[0],
-        bounds=(near - 0.15, near + 0.15),
-        method="bounded",
-        options={"xatol": 1e-9},
-    )
-    return float(found.x), sign * float(found.fun)
 
 
 def drawn_press(**slide: Any) -> Linkage:
