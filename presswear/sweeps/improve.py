@@ -39,6 +39,8 @@ DROP = "drop of the speed by the work"
 REVERSE = "reverse force of the frame over its greatest force"
 PLAIN = "as it is"
 SHOWN = 10  # largest number of changes in a panel of the figure
+# Least distance of a whole interval from 1; a smaller factor is printed as 1.00
+MIN_EFFECT = 0.005
 # Least range of the axis on both sides of 1, so that a per cent is not a long bar
 LEAST_RANGE = 0.1
 BAR = 0.28  # height of a bar with its gap, inches
@@ -52,7 +54,23 @@ class Effect:
 
     change: str
     factor: Estimate
-    is_better: bool  # whether the whole interval lies on the good side of one
+    # whether the whole interval lies on the good side of 1, by more than MIN_EFFECT
+    is_better: bool
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on the change, by the interval of its factor."""
+        low = self.factor.low
+        high = self.factor.high
+        if self.is_better:
+            return "certain improvement"
+        if low is None or high is None:
+            return "not certain"
+        if low > 1.0 + MIN_EFFECT or high < 1.0 - MIN_EFFECT:
+            return "certainly worse"
+        if low > 1.0 - MIN_EFFECT and high < 1.0 + MIN_EFFECT:
+            return "no effect"
+        return "not certain"
 
     def __str__(self) -> str:
         low = self.factor.low
@@ -78,16 +96,14 @@ class Improvement:
 
     @property
     def sentences(self) -> list[str]:
-        """A sentence for each quantity: the best change, or that none is certain."""
+        """A sentence for each quantity: the best change, or that none improves it."""
         lines = []
         changes = list(self.failures)
         for key, effects in self.effects.items():
             changes += [effect.change for effect in effects]
             best = next((effect for effect in effects if effect.is_better), None)
             if best is None:
-                lines.append(
-                    f"{key}: no change of a single joint is certain to improve it"
-                )
+                lines.append(f"{key}: no tried change improves it beyond its interval")
             else:
                 lines.append(f"{key}: best is {best} times the present value")
         if not any("materials" in change for change in changes):
@@ -304,6 +320,10 @@ def _effect(change: str, key: str, value: Estimate, present: Estimate) -> Effect
     """Return the factor by which a change multiplies a quantity, and if that is an improvement."""
     if key == LIFE:  # inversely proportional to the depth of a stroke
         factor = ratio(present, value)
-        return Effect(change, factor, factor.low is not None and factor.low > 1.0)
+        lowest = factor.low
+        is_longer = lowest is not None and lowest > 1.0 + MIN_EFFECT
+        return Effect(change, factor, is_longer)
     factor = ratio(value, present)
-    return Effect(change, factor, factor.high is not None and factor.high < 1.0)
+    highest = factor.high
+    is_smaller = highest is not None and highest < 1.0 - MIN_EFFECT
+    return Effect(change, factor, is_smaller)

@@ -45,7 +45,7 @@ def _section(heading: str, effects: list[Effect], folder: Path) -> Section:
     rows = []
     for effect in effects:
         factor = readable(effect.factor.mean)
-        rows.append((effect.change, factor, _interval(effect), _verdict(effect)))
+        rows.append((effect.change, factor, _interval(effect), effect.verdict))
     table = plain_table(_HEAD, rows, numeric=False)
     notes = []
     if effects:
@@ -62,11 +62,3 @@ def _interval(effect: Effect) -> str:
     if low is None or high is None:
         return NOTHING
     return f"{readable(low)} to {readable(high)}"
-
-
-def _verdict(effect: Effect) -> str:
-    low = effect.factor.low
-    high = effect.factor.high
-    if low is None or high is None or low <= 1.0 <= high:
-        return "not certain"
-    return "certain improvement" if effect.is_better else "certainly worse"

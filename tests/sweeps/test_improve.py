@@ -159,12 +159,34 @@ def test_sentences_name_the_best_certain_change():
     )
     first, second, _ = found.sentences
     assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
-    assert second == "peak force: no change of a single joint is certain to improve it"
+    assert second == "peak force: no tried change improves it beyond its interval"
     life, force = (axes.patches for axes in found.draw().sheet.axes)
     bar: Any = life[0]
     still: Any = force[0]
     assert (bar.get_x(), bar.get_width()) == (1.0, pytest.approx(1.0))
     assert (still.get_x(), still.get_width()) == (1.0, pytest.approx(0.0))
+
+
+@pytest.mark.parametrize(
+    ("factor", "verdict"),
+    [
+        (0.98, "certain improvement"),
+        (0.9975, "no effect"),
+        (1.001, "no effect"),
+        (1.02, "certainly worse"),
+    ],
+)
+def test_a_factor_that_is_printed_as_one_is_no_improvement(factor, verdict):
+    """Equal replicates have intervals of 0.01 %, beyond which a gain of 0.25 % lies."""
+    present = Estimate.symmetric(1.0, 1e-4)
+    effect = _effect(CHANGE, FORCE, present.scaled(factor), present)
+    assert effect.verdict == verdict
+    sentence = Improvement({FORCE: [effect]}, {}).sentences[0]
+    assert ("best is" in sentence) == (verdict == "certain improvement")
+    longer = _effect(CHANGE, LIFE, present.scaled(factor), present)
+    assert longer.verdict == verdict
+    wide = _effect(CHANGE, FORCE, Estimate.symmetric(factor, 0.1), present)
+    assert wide.verdict == "not certain"
 
 
 def test_changes_are_compared_after_the_same_strokes(tmp_path):
