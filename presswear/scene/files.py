@@ -36,7 +36,7 @@ _WITHOUT_KIND = MOTOR, SERVO  # tables whose kind may be left out
 _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
-PRESSES = ("eccentric-press", "knuckle-press", "link-drive")
+PRESSES = ("eccentric-press", "knuckle-press", "link-drive", "cylinder-press")
 """Examples of heavy presses, with bearings, a process and limits of their own."""
 # Names of the example files
 EXAMPLES = tuple(dict.fromkeys((*MECHANISMS, *PRESSES, POINTS)))
@@ -76,7 +76,9 @@ def _with_comments(text: str, file: Path) -> str:
         if table in _PARTS:
             key = table if key == "kind" else f"{table}.{key}"
         comment = _comment_on(meanings.get(key))
-        lines.append(f"{line:{_COMMENT}}  # {comment}" if comment else line)
+        if comment and " #" not in line:
+            line = f"{line:{_COMMENT}}  # {comment}"
+        lines.append(line)
     return "\n".join([*lines, ""])
 
 

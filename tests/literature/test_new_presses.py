@@ -18,8 +18,9 @@ from marks import slow
 
 import presswear as pw
 from presswear.results.rigid_joints import ideal_drives, ideal_forces, static_torques
-from presswear.scene.files import PRESSES, example_file, scene_from
+from presswear.scene.files import example_file, scene_from
 from presswear.show.key_numbers import key_numbers
+from presswear.show.report import first_screen
 from presswear.tools.arrays import Array
 from presswear.tools.errors import NARROW
 
@@ -131,7 +132,7 @@ def work_on_the_way_down(scene: pw.Scene, height: Array, force: float) -> Array:
     return np.where(rate(height, 1.0) < 0.0, result, 0.0)
 
 
-@pytest.mark.parametrize("kind", PRESSES)
+@pytest.mark.parametrize("kind", CASES)
 def test_stroke_and_torques_of_a_new_press(kind, tmp_path):
     places, mass, strokes, pins, size = CASES[kind]
     scene = scene_of(kind, tmp_path)
@@ -190,6 +191,34 @@ def test_static_torque_of_the_eccentric_press_of_630_t(tmp_path):
     assert static_torques(scene)["crank"] == pytest.approx(413_688.18, abs=0.01)
 
 
+def test_height_and_force_of_the_cylinder_press(tmp_path):
+    """Cycloidal rises of the piston, d'Alembert's principle, and the force of the work."""
+    scene = scene_of("cylinder-press", tmp_path)
+    turn = np.linspace(0.0, 2.0 * math.pi, 3601)
+    extension = np.zeros_like(turn)
+    acceleration = np.zeros_like(turn)  # of the slide, upwards
+    speed = 20.0 * math.pi / 30.0
+    for start, end, way in ((0.0, 100.0, 0.17), (100.0, 210.0, 0.03), (225, 360, -0.2)):
+        length = math.radians(end - start)
+        x = np.clip((turn - math.radians(start)) / length, 0.0, 1.0)
+        extension += way * (x - np.sin(2.0 * math.pi * x) / (2.0 * math.pi))
+        curvature = 2.0 * math.pi * np.sin(2.0 * math.pi * x)
+        acceleration -= way * curvature * (speed / length) ** 2
+    assert scene.mechanism.period == pytest.approx(3.0, rel=1e-12)
+    motion = scene.ideal_slider(turn / speed)
+    assert np.allclose(motion[:, 0], -extension, atol=1e-12, rtol=0.0)
+    assert np.allclose(motion[:, 2], acceleration, atol=1e-9, rtol=0.0)
+    # The pin of the piston in the slide begins 400 mm above the origin.
+    assert scene.bottom == pytest.approx(0.2, abs=1e-9)
+    assert scene.stroke == pytest.approx(0.2, abs=1e-9)
+
+    assert static_torques(scene)["piston"] == pytest.approx(1.5e6, rel=1e-6)
+    moved = 400.0 + 2500.0  # kg, piston and slide
+    (drive,) = ideal_drives(pw.changed(scene, {"process": "none"})).values()
+    force = np.abs(moved * (G + acceleration)).max()
+    assert abs(drive.torque.peak) == pytest.approx(force, rel=1e-5)
+
+
 def static_torque_of(kind: str, scene: pw.Scene) -> float:
     """Return the greatest force of the work times the sinking of the slide, N m."""
     places, *_, size = CASES[kind]
@@ -226,3 +255,18 @@ def test_page_one_of_a_new_press(kind, tmp_path):
     assert torque.endswith(" kN m")
     expected = static_torque_of(kind, scene)
     assert 1e3 * float(torque.split()[0]) == pytest.approx(expected, rel=5e-3)
+
+
+def test_page_one_of_the_cylinder_press(tmp_path):
+    """The work takes 1,500 kN (0.25 + 2.5 + 0.25) mm; the drive gives a force."""
+    scene = scene_of("cylinder-press", tmp_path)
+    shorter = {"wear_updates": 0, "cycles": 3, "replicates": 1}
+    result = pw.run(pw.changed(scene, shorter))
+    tonnage: Any = result.tonnage(0)
+    assert tonnage.work.mean == pytest.approx(4500.0, rel=2e-3)
+    screen = first_screen(result)
+    numbers = {number.name: number for number in screen.key_numbers}
+    assert numbers["Stroke"].value == "200 mm"
+    compared = dict(numbers["Peak drive force"].compared)
+    assert compared["the work alone, static"] == f"1{NARROW}500 kN"
+    assert not any("repeats others" in line for line in screen.warnings)
