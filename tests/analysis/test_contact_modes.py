@@ -16,8 +16,7 @@ from presswear.analysis.contact_modes import (
     timeline,
     timeline_of,
 )
-from presswear.analysis.periods import impacts_of, period_of, section_of
-from presswear.results.result import Result
+from presswear.analysis.periods import impacts_of
 from presswear.results.sampled_cycles import sampled_span
 
 CONTACTS = np.array([[1.0, 1.01], [2.0, 2.01], [3.0, 5.0], [6.0, 6.01], [7.0, 7.01]])
@@ -87,14 +86,14 @@ def test_contacts_beyond_the_span_are_cut():
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result():
     scene = pw.scenes.slider_crank(
         cycles=6, replicates=1, recorded_cycles=6, sections=1
     )
     return pw.run(scene, engine="dae", jobs=1)
 
 
-def test_shares_are_those_of_the_penetration(result: Result):
+def test_shares_are_those_of_the_penetration(result):
     """Time with penetration above 0, by the rows, is the time that is no free flight."""
     scene = result.scene
     stage = result.stages[0]
@@ -108,21 +107,7 @@ def test_shares_are_those_of_the_penetration(result: Result):
     assert own.visits("impact").size > 5
 
 
-def test_sections_that_were_kept_are_those_of_the_series(result: Result):
-    """At the ends of the cycles, to the straight lines between rows."""
-    scene = result.scene
-    stage = result.stages[0]
-    kept, phase = section_of(scene, stage, "B")
-    assert phase == 1.0
-    eccentricity = stage.joints["B"].eccentricity
-    at = scene.mechanism.period * np.arange(3, 6)
-    for axis in range(2):
-        found = np.interp(at, stage.time, eccentricity[:, axis])
-        assert_allclose(kept[:3, axis], found, rtol=0.0, atol=1e-6)
-    assert period_of(scene, stage).period is None
-
-
-def test_sections_at_touchdown_are_those_of_the_penetration(result: Result):
+def test_sections_at_touchdown_are_those_of_the_penetration(result):
     """Where it rises through 0, and as fast as the pin then moves away from the centre."""
     scene = result.scene
     stage = result.stages[0]

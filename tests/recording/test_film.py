@@ -5,8 +5,7 @@ import pytest
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.recording import film as film_module
-from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
+from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE
 from presswear.scene.catalog import scene_named
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -21,7 +20,7 @@ def run_cycles(scene: Scene, cycles: int) -> Run:
 
 
 @pytest.fixture(scope="module", params=["exudyn-tree", "dae"])
-def rattling(request: pytest.FixtureRequest) -> Run:
+def rattling(request):
     scene = changed(scene_named("wear-times"), {"engine": request.param})
     return run_cycles(scene, 1)
 
@@ -35,9 +34,7 @@ def test_frames_of_the_ideal_press_lie_on_its_closed_form():
     assert film.joints.shape == (len(film.time), 0, len(FILM_JOINT))
 
 
-def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
-    rattling: Run,
-):
+def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(rattling):
     recorder = rattling.recorder
     film = recorder.film
     # A frame is the first state in its interval: two frames may be close to each other,
@@ -61,17 +58,3 @@ def test_frames_are_evenly_spaced_states_of_the_run_with_all_peaks(
         assert peak.max() == recorder.records.counters["peak_force"][k]
         assert normal.max() < peak.max()  # the peak lies between two frames
         assert (peak >= normal).all()
-
-
-def test_a_full_film_stores_only_the_last_frame_anew(
-    monkeypatch,
-):
-    monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
-    scene = changed(scene_named("wear-times"), {"engine": "dae"})
-    recorder = run_cycles(scene, 2).recorder
-    period = scene.mechanism.period
-    assert len(recorder.film.time) == FRAMES_PER_CYCLE
-    # Some steps are longer than an interval, so that the film lasts a little longer.
-    assert recorder.film.time[-1] < 1.3 * period
-    last = Film.of(recorder.last_frames(60), 2)
-    assert last.time == pytest.approx([2.0 * period], abs=0.01 * period)

@@ -79,7 +79,7 @@ def test_the_title_lists_changes_and_counts_the_last():
         ),
     ],
 )
-def test_changes_that_follow_are_omitted(scene: pw.Scene, expected):
+def test_changes_that_follow_are_omitted(scene, expected):
     assert described(scene) == expected
 
 

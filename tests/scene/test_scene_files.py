@@ -1,4 +1,5 @@
 """Scenes from files: those that ``presswear new`` writes, and any other text."""
+# mypy: disable-error-code="union-attr,operator,index,arg-type"
 
 import math
 import re
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import presswear as pw
 from presswear.physics.curve_following import motion_of
@@ -81,7 +83,7 @@ def switched_off(kind: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def plain_scenes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, pw.Scene]:
+def plain_scenes(tmp_path_factory):
     """Return the scenes of the examples as they are written."""
     folder = tmp_path_factory.mktemp("plain")
     return {kind: scene_from(written(folder, example_file(kind))) for kind in EXAMPLES}
@@ -104,9 +106,7 @@ SWITCHED = {
     ],
     ids=lambda text: text.split("\n")[0].split(" ")[0] or "all",
 )
-def test_a_table_that_is_switched_on_works(
-    kind, block, tmp_path, plain_scenes: dict[str, pw.Scene]
-):
+def test_a_table_that_is_switched_on_works(kind, block, tmp_path, plain_scenes):
     """One table after the other, and all of them.
 
     Torques of each mechanism take seconds; a limit of them is switched on by itself.
@@ -133,10 +133,8 @@ def test_a_table_that_is_switched_on_works(
 def test_a_guide_that_is_switched_on_has_clearance(kind, tmp_path):
     text = example_file(kind).replace("#guide_", "guide_")
     table = re.search(r"(# .*\n)+", text[text.index("# [bearings.guide]") :])
-    assert table is not None
     text = text.replace(table[0], re.sub("(?m)^# ", "", table[0]))
     joints = re.search(r'with (joints = ".*")', table[0])
-    assert joints is not None
     text = re.sub('(?m)^joints = ".*"', joints[1], text)
     scene = scene_from(written(tmp_path, text))
     (guide,) = scene.loose_guides
@@ -159,15 +157,13 @@ def test_a_drawing_is_the_linkage_of_its_points(tmp_path):
     points: Any = {"A": ("75 cm", "1 m")}
     body = pw.Body("a", 1.0, points=points, centre=("25 cm", "50 cm"))
     assert body == pw.Body("a", 1.0, points={"A": (0.5, 0.5)})
-    with pytest.raises(pw.InputError, match="centre of a = 3: a list is expected"):
+    with refused("centre of a = 3: a list is expected"):
         pw.Body("a", 1.0, centre=3)
 
 
 def test_a_servo_motion_out_of_reach_is_refused(tmp_path):
     text = OFF.sub("", example_file("press")).replace("part = 0.111111", "part = 0.45")
-    with pytest.raises(
-        pw.InputError, match="crank 7 cannot make its point follow the curve"
-    ):
+    with refused("crank 7 cannot make its point follow the curve"):
         scene_from(written(tmp_path, text))
 
 
@@ -231,7 +227,7 @@ def test_a_wrong_file_is_refused_in_one_line(text, message, tmp_path):
     (tmp_path / "laws.py").write_text(LAW)
     file = tmp_path / "wrong.toml"
     file.write_text(text)
-    with pytest.raises(pw.InputError, match=f"^{re.escape(str(file))}: .*{message}"):
+    with refused(f"^{re.escape(str(file))}: .*{message}"):
         scene_from(file)
 
 
@@ -253,7 +249,7 @@ def test_a_wrong_line_is_answered_with_what_to_write(case, tmp_path):
     lines, message = case.split(" | ")
     text = "\n".join(["mechanism = 'press'", "[settings]", *lines.split("@"), ""])
     file = written(tmp_path, text)
-    with pytest.raises(pw.InputError, match=f"^{re.escape(str(file))}.*{message}"):
+    with refused(f"^{re.escape(str(file))}.*{message}"):
         scene_from(file)
 
 
@@ -343,7 +339,6 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up):
     assert isinstance(load, pw.Force)
     assert isinstance(load.law, pw.OverPosition)
     bottom = bottom_of(IDEAL.ideal)
-    assert bottom is not None
     assert scene.bottom == pytest.approx(bottom.height, abs=1e-14)
     assert load.law.zero == pytest.approx(scene.bottom + 5e-3, abs=1e-15)
     # Dead centres of a slider-crank: rod plus and less crank.  Up is away from the
@@ -361,7 +356,7 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up):
 def test_a_process_out_of_reach_is_refused():
     high = pw.Drawing(height=7e-3, bottom="highest")
     says = "height = 7 mm above bottom .* least 8 mm, .* 100 mm, the"
-    with pytest.raises(pw.InputError, match=says):
+    with refused(says):
         replace(SLIDER_CRANK, process=high).check()
 
 
@@ -389,7 +384,7 @@ def test_points_of_a_joint_coincide_in_the_drawing(tmp_path, old, new, message):
     text = example_file("points")
     changed_text = re.sub(r" +#.*", "", text).replace(old, new)
     assert changed_text.count(new) == 1
-    with pytest.raises(pw.InputError, match=message):
+    with refused(message):
         scene_from(written(tmp_path, changed_text))
 
 
@@ -404,7 +399,3 @@ def test_a_slide_is_guided_where_it_is_drawn(tmp_path):
     assert second - first == pytest.approx(
         np.tile([0.73, 0.0, 0.0], 3)[np.newaxis], abs=1e-9
     )
-
-
-def test_comment_on_joints_says_that_several_may_have_clearance():
-    assert "(O | A | B | P | several together, as OABP)" in example_file("four-bar")

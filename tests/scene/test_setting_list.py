@@ -20,9 +20,7 @@ def _described(scene: pw.Scene, key: str) -> str:
 
 
 @pytest.mark.parametrize("scene", [PRESS, CRANK], ids=["press", "slider-crank"])
-def test_settings_have_one_key_and_describe_themselves_in_one_line(
-    scene: pw.Scene,
-):
+def test_settings_have_one_key_and_describe_themselves_in_one_line(scene):
     settings = list(settings_of(scene))
     assert len({setting.key for setting in settings}) == len(settings)
     assert all(len(setting.described().splitlines()) == 1 for setting in settings)
@@ -36,9 +34,7 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(
 
 
 @pytest.mark.parametrize("scene", [PRESS, CRANK, pw.scenes.press_blanking()])
-def test_described_values_are_in_units_of_engineers_and_can_be_set(
-    scene: pw.Scene,
-):
+def test_described_values_are_in_units_of_engineers_and_can_be_set(scene):
     assert _described(PRESS, "clearance").startswith("0.8 mm  (0 to 1000 mm;")
     assert _described(PRESS, "speed").startswith("105 rpm  (0.1 to 1200 rpm;")
     assert _described(PRESS, "youngs_modulus").startswith("200 GPa  (1 to 1000 GPa;")

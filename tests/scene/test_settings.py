@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refused
 
 import presswear as pw
 from presswear.linkage.press import GEOMETRIES
@@ -148,7 +149,7 @@ ideal | servo=dwell process=blanking torque_limit=5Nm | torque_limit of crank \d
 def test_a_setting_that_does_not_fit_is_refused(case):
     name, listed, message = case.split(" | ")
     settings = dict(item.split("=", 1) for item in listed.split())
-    with pytest.raises(pw.InputError, match=f"^{message}"):
+    with refused(f"^{message}"):
         changed(SCENES_BY_NAME[name], settings).check()
 
 
@@ -157,9 +158,7 @@ def test_a_scene_without_wear_updates_has_no_life():
     scene = changed(pw.scenes.press_blanking(conventions="refined"), {"life": "limits"})
     for value in ("0", 0):
         assert changed(scene, {"wear_updates": value}).life is None
-    with pytest.raises(
-        pw.InputError, match=r"wear_updates = 0 does not fit \[life\]: use 1 to 20"
-    ):
+    with refused(r"wear_updates = 0 does not fit \[life\]: use 1 to 20"):
         changed(scene, {"wear_updates": "0", "life": "limits"})
 
 
@@ -267,11 +266,9 @@ def test_constructors_take_numbers_with_units():
     bearing = face.Bearing(clearance="0.5 mm", friction="5 %")
     assert (bearing.clearance, bearing.friction) == (0.5e-3, 0.05)
     assert face.Press(mass_6="0.5 t").mass_6 == 500.0
-    with pytest.raises(pw.InputError, match="length of crank = '50' has no unit"):
+    with refused("length of crank = '50' has no unit"):
         face.Bar("crank", length="50", mass="300 g")
-    with pytest.raises(
-        pw.InputError, match="speed of crank = '1,5 Hz': use a decimal point"
-    ):
+    with refused("speed of crank = '1,5 Hz': use a decimal point"):
         face.Drive("crank", speed="1,5 Hz")
 
 
@@ -279,7 +276,7 @@ def test_a_key_may_have_the_table_of_a_file_before_it():
     base = pw.scenes.slider_crank()
     scene = changed(base, {"bearings.B.clearance": "0.1 mm", "settings.cycles": "7"})
     assert (scene.bearing("B").clearance, scene.cycles) == (1e-4, 7)
-    with pytest.raises(pw.InputError, match=r"did you mean B\.clearance"):
+    with refused(r"did you mean B\.clearance"):
         changed(base, {"bearings.B.clearence": "0.1 mm"})
 
 
@@ -306,18 +303,16 @@ def test_a_diametral_clearance_is_halved(tmp_path):
             "c and diametral_clearance are the same",
         ),
     ):
-        with pytest.raises(pw.InputError, match=message):
+        with refused(message):
             pw.changed(scene, settings)
     # A word that resembles it does not advise the radial one, half of it.
     for key, meant in (
         ("diameter_clearance", "diametral_clearance"),
         ("A.diametral_clearence", r"A\.diametral_clearance"),
     ):
-        with pytest.raises(pw.InputError, match=rf"did you mean {meant}\?"):
+        with refused(rf"did you mean {meant}\?"):
             pw.changed(pw.scenes.wear_times(), {key: "0.4 mm"})
-    with pytest.raises(
-        pw.InputError, match=r"use A\.clearance, which is half the diametral"
-    ):
+    with refused(r"use A\.clearance, which is half the diametral"):
         setting_of(scene, "A.diametral_clearance")
 
 

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from refusals import refused
 
 from presswear.linkage.guide_corner import WALL_BINS
 from presswear.linkage.surface import SIDES, Surface, bin_centres
 from presswear.scene.catalog import press_off_centre, wear_times
 from presswear.scene.files import read_profiles, scene_from
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
 
 TURN = 2.0 * math.pi
 
@@ -101,7 +101,7 @@ CLOSED = np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)])
     ],
 )
 def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces, message):
-    with pytest.raises(InputError, match=re.escape(message)):
+    with refused(re.escape(message)):
         wear_times(surfaces=surfaces)
 
 
@@ -125,7 +125,7 @@ FLAT = np.zeros(WALL_BINS)
     ],
 )
 def test_walls_that_do_not_fit_are_refused_in_one_line(surfaces, message):
-    with pytest.raises(InputError, match=re.escape(message)):
+    with refused(re.escape(message)):
         press_off_centre(surfaces=surfaces)
 
 
@@ -189,9 +189,9 @@ def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path):
 def test_a_wrong_table_is_refused(text, says, tmp_path):
     file = tmp_path / "worn.csv"
     file.write_text(text)
-    with pytest.raises(InputError, match=re.escape(f"{file}") + ".*" + re.escape(says)):
+    with refused(re.escape(f"{file}") + ".*" + re.escape(says)):
         read_profiles(file)
-    with pytest.raises(InputError, match=r"no such file; did you mean worn\.csv\?"):
+    with refused(r"no such file; did you mean worn\.csv\?"):
         read_profiles(tmp_path / "wron.csv")
 
 
@@ -217,7 +217,5 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path):
         ),
     ):
         file.write_text(wrong)
-        with pytest.raises(
-            InputError, match=f"^{re.escape(str(file))}: {re.escape(says)}"
-        ):
+        with refused(f"^{re.escape(str(file))}: {re.escape(says)}"):
             scene_from(file)

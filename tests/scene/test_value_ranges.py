@@ -1,6 +1,7 @@
 """Values of a setting as a list or a range."""
 
 import pytest
+from refusals import refused
 
 import presswear as pw
 from presswear.scene.setting_keys import setting_of
@@ -56,5 +57,5 @@ def test_a_range_or_a_list_of_values_is_read(text, values):
     ],
 )
 def test_a_range_that_does_not_fit_is_refused(text, message):
-    with pytest.raises(pw.InputError, match=message):
+    with refused(message):
         read(text)
