@@ -37,6 +37,7 @@ from presswear.recording.columns import (
     cycle_quantities,
     index_of,
 )
+from presswear.results.frames import frame
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import setting_of
@@ -328,11 +329,7 @@ class Diagram:
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return ``table`` as a data frame, with units in ``attrs["units"]``; needs pandas."""
-        import pandas
-
-        frame = pandas.DataFrame(self.table())
-        frame.attrs["units"] = self.units()
-        return frame
+        return frame(self.table(), self.units())
 
     def summary(self) -> list[str]:
         """Return one sentence for each branch."""

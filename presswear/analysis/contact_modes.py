@@ -142,17 +142,10 @@ def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
     """Return the contact modes of a joint in the recorded sampled cycles, by the clock, s."""
     start, end = map(float, stage.clock_of(np.array(sampled_span(scene, stage))))
     pin = stage.joints[joint]
-    contacts = np.column_stack([pin.contact("touchdown"), pin.contact("separation")])
-    closing_speed = pin.contact("closing_speed")
-    last_separation = contacts[-1, 1] if len(contacts) else stage.clock[0]
-    # A contact is recorded at its separation. One that lasts beyond the recorded rows
-    # is added, with a separation after the end of the span.
-    is_closed = (stage.clock > last_separation) & (pin.penetration > 0.0)
-    if is_closed.any():
-        touchdown = stage.clock[is_closed][0]
-        separation = end + scene.mechanism.period
-        contacts = np.append(contacts, [[touchdown, separation]], axis=0)
-        closing_speed = np.append(closing_speed, 0.0)
+    contacts = pin.spans(stage.clock, end + scene.mechanism.period)
+    closing_speed = np.zeros(len(contacts))  # of a contact that lasts: unknown
+    recorded = pin.contact("closing_speed")
+    closing_speed[: len(recorded)] = recorded
     sliding = (stage.clock, pin.sliding)
     lower_speed = scene.bearing(joint).lower_speed
     return timeline((start, end), contacts, closing_speed, sliding, lower_speed)

@@ -11,10 +11,23 @@ from presswear.campaign.refinement import Refinements
 from presswear.campaign.wear_update import STEP_SAFETY
 from presswear.recording.statistics import quantile
 from presswear.scene.options import Limit
+from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
 # smallest ratio of the cycles of two refinements from which the error of steps is computed
 MIN_REFINEMENT = 1.5
+
+
+def scatter_of(scene: Scene) -> float:
+    """Return the half width of ln(strokes) by the scatter of the wear coefficients.
+
+    A life is inversely proportional to the wear coefficients, if all of them are high or
+    low together.
+    """
+    scatters = [
+        scene.bearing(joint).materials.wear_scatter for joint in scene.wearing_joints
+    ]
+    return quantile(math.inf) * math.sqrt(math.log1p(max(scatters) ** 2))
 
 
 @dataclass(frozen=True)

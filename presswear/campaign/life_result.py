@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.campaign.life_estimate import LifeEstimate, estimate_life
+from presswear.campaign.life_estimate import LifeEstimate, estimate_life, scatter_of
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import LifeProblem
-from presswear.recording.statistics import quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
@@ -90,10 +89,6 @@ def life_result(
     message = ""
     if math.isinf(life.strokes):
         ended, message = _end_without_limit(problem, last)
-    # A life is inversely proportional to the wear coefficients, if all of them are high or
-    # low together.
-    joints = scene.wearing_joints
-    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
     services = []
     for service in problem.services[: end.interval]:
         services.append(f"{service.words} after {service.strokes:.4g} strokes")
@@ -103,7 +98,7 @@ def life_result(
         strokes=life.strokes if math.isfinite(life.strokes) else end.strokes,
         sampling=_finite(life.sampling),
         step=_finite(life.step),
-        scatter=quantile(math.inf) * math.sqrt(math.log1p(worst**2)),
+        scatter=scatter_of(scene),
         limits=_limit_results(problem, refinements, life),
         refinements=_refinement_results(problem, refinements, life),
         services=tuple(services),

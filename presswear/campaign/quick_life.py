@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswear.campaign.life_estimate import scatter_of
 from presswear.campaign.limited_wear import LimitedWear, limited_wear
 from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.joints import Guide
 from presswear.linkage.surface import SIDES
 from presswear.physics.wall_wear import tilt_between
-from presswear.recording.statistics import Estimate, quantile
+from presswear.recording.statistics import Estimate
 from presswear.recording.statistics.estimate import weighted_sum
 from presswear.results.life import QUICK, LifeResult, LimitResult, WearRate
 from presswear.results.stage import StageResult
@@ -87,7 +88,6 @@ def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
     assert scene.life is not None
-    joints = scene.wearing_joints
     worn = rates_of(scene, stage)
     limits = tuple(
         _limit(scene, limit, new, worn, stage) for limit in scene.life_limits
@@ -96,7 +96,7 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     strokes = min(reached, default=new.strokes)
     first = next((limit for limit in limits if limit.strokes == strokes), None)
     depths = []
-    for name in joints:
+    for name in scene.wearing_joints:
         rates = [surfaces.depth_text(name) for surfaces in (new, worn)]
         depths.append(f"{name} {' and '.join(rates)}")
     message = (
@@ -104,13 +104,19 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
         "strokes, then of the surfaces worn once (deepest place, µm in 10⁶ strokes: "
         f"{', '.join(depths)})"
     )
-    worst = max(scene.bearing(name).materials.wear_scatter for name in joints)
-    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
     wear_rates = new.of_joints(NEW, 0.0, new.strokes)
     wear_rates += worn.of_joints(WORN, new.strokes, max(strokes, new.strokes))
     sampling = first.sampling if first else None
     return LifeResult(
-        QUICK, message, strokes, sampling, None, scatter, limits, (), wear_rates
+        QUICK,
+        message,
+        strokes,
+        sampling,
+        step=None,
+        scatter=scatter_of(scene),
+        limits=limits,
+        refinements=(),
+        wear_rates=wear_rates,
     )
 
 

@@ -82,7 +82,8 @@ def guide_tilts(scene: Scene, stage: StageResult) -> dict[str, GuideTilt]:
 
 
 def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
-    force = _corner_force(scene, stage, guide)
+    forces_of_cycles = _of_corners(scene, stage, guide, "force_max")
+    force = mean_of_strokes(forces_of_cycles.max(axis=1))
     if not stage.has_joint_series:
         return GuideTilt(None, None, None, None, {}, {}, None, force)
     strokes = sampled_strokes(scene, stage)
@@ -100,7 +101,9 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
     friction = scene.bearing(guide.name).friction
     loads = [_load_of(time, joint, friction) for joint in joints]
-    losses = _friction_loss(scene, stage, guide)
+    losses = _friction_loss(
+        joints, _of_corners(scene, stage, guide, "load_distance"), time
+    )
     if losses is None:
         losses = mean_of_strokes(
             sum(load.loss(stroke.start, stroke.end) for load in loads)
@@ -128,33 +131,31 @@ def _rows(time: Array, stroke: SampledStroke) -> NDArray[np.bool_]:
     return (time >= stroke.start) & (time <= stroke.end)
 
 
-def _corner_force(scene: Scene, stage: StageResult, guide: Guide) -> Estimate | None:
-    """Return the greatest normal force of the corners in a cycle, N, mean over cycles."""
-    names = [f"{guide.name} {corner}" for corner in CORNERS]
-    columns = [
-        cycle_column("force_max", stage.joint_names.index(name)) for name in names
-    ]
-    return mean_of_strokes(sampled_cycles(scene, stage)[:, columns].max(axis=1))
+def _of_corners(scene: Scene, stage: StageResult, guide: Guide, name: str) -> Array:
+    """Return a number of each corner in the sampled cycles, shape (cycles, corners)."""
+    columns = []
+    for corner in CORNERS:
+        number = stage.joint_names.index(f"{guide.name} {corner}")
+        columns.append(cycle_column(name, number))
+    return sampled_cycles(scene, stage)[:, columns]
 
 
-def _friction_loss(scene: Scene, stage: StageResult, guide: Guide) -> Estimate | None:
+def _friction_loss(
+    joints: list[JointResult], distances: Array, time: Array
+) -> Estimate | None:
     """Return the energy that friction takes in a cycle, J, mean over cycles.
 
-    It is the load distance of each corner, which the engine integrates, times its mean
-    coefficient of friction. None without wear, whose account has the load distance.
+    It is the load distance of each corner, which the engine integrates, shape (cycles,
+    corners), times its mean coefficient of friction. None without wear, whose account
+    has the load distance.
     """
-    names = [f"{guide.name} {corner}" for corner in CORNERS]
-    columns = [
-        cycle_column("load_distance", stage.joint_names.index(name)) for name in names
-    ]
-    distances = sampled_cycles(scene, stage)[:, columns]
     if not distances.any():
         return None
     coefficients = []
-    for joint in (stage.joints[name] for name in names):
+    for joint in joints:
         normal, tangential = joint.force.T
-        loss = np.trapezoid(-tangential * joint.sliding, stage.clock)
-        distance = np.trapezoid(normal * np.abs(joint.sliding), stage.clock)
+        loss = np.trapezoid(-tangential * joint.sliding, time)
+        distance = np.trapezoid(normal * np.abs(joint.sliding), time)
         coefficients.append(float(loss / distance) if distance > 0.0 else 0.0)
     return mean_of_strokes(distances @ coefficients)
 
@@ -184,7 +185,7 @@ def _load_of(time: Array, joint: JointResult, friction: float) -> _Load:
     The force is zero outside of the contacts. A contact with few rows, a light impact,
     is half a wave of a sine up to its peak force, with Coulomb's friction.
     """
-    spans = _closed_spans(time, joint)
+    spans = joint.spans(time, float(time[-1]))
     first, last = np.searchsorted(time, spans.T, side="right")
     is_short = last - first < _MIN_ROWS
     # Rows within a contact with enough rows: the sum of starts less ends is positive.
@@ -238,17 +239,6 @@ def _means(rows: list[Array]) -> dict[str, Estimate]:
 def _at_most_one(share: Estimate) -> Estimate:
     """Return a share whose interval ends at 1."""
     return share if share.high is None else replace(share, high=min(share.high, 1.0))
-
-
-def _closed_spans(time: Array, joint: JointResult) -> Array:
-    """Return touchdown and separation of all contacts of a corner, s, shape (k, 2)."""
-    spans = np.column_stack([joint.contact("touchdown"), joint.contact("separation")])
-    last = float(spans[-1, 1]) if len(spans) else float(time[0])
-    # A contact that continues at the end is not recorded as one.
-    still_closed = time[(time > last) & (joint.penetration > 0.0)]
-    if still_closed.size:
-        spans = np.append(spans, [[still_closed[0], time[-1]]], axis=0)
-    return spans
 
 
 def _is_within(spans: Array, times: Array) -> NDArray[np.bool_]:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from presswear.linkage.surface import SIDES, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.columns import (
@@ -81,6 +83,19 @@ class JointResult:
         """Return a quantity of each recorded contact, by a name of ``CONTACT_COLUMNS``; SI."""
         place = index_of("quantity of a contact", name, CONTACT_COLUMNS)
         return self.arrays["contacts"][:, place]
+
+    def spans(self, clock: Array, end: float) -> Array:
+        """Return touchdown and separation of all contacts, s, shape (k, 2).
+
+        A contact is recorded at its separation. One that lasts beyond the recorded rows,
+        which are those of ``clock``, separates at ``end``.
+        """
+        spans = np.column_stack([self.contact("touchdown"), self.contact("separation")])
+        last = float(spans[-1, 1]) if len(spans) else float(clock[0])
+        still_closed = clock[(clock > last) & (self.penetration > 0.0)]
+        if still_closed.size:
+            spans = np.append(spans, [[still_closed[0], end]], axis=0)
+        return spans
 
     @property
     def cycle_columns(self) -> tuple[Column, ...]:

@@ -13,7 +13,7 @@ from presswear.recording.statistics import Estimate, quantile
 from presswear.results.motions import sentence_of
 from presswear.scene.options import LIFE_QUANTITIES
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import large, quantity_text, readable
+from presswear.tools.numbers import large, quantity_text
 from presswear.tools.serialize import NOT_STORED
 
 FILE = "life.npz"  # file of the curves
@@ -186,9 +186,8 @@ def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
     ratio = life.strokes / reference.strokes
     sampling = _half_width_of_ratio(life, reference)
     half = math.hypot(sampling, life.step or 0.0, reference.step or 0.0)
-    low = ratio / math.exp(half)
-    high = ratio * math.exp(half)
-    text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
+    factor = math.exp(half)
+    text = Estimate(ratio, ratio / factor, ratio * factor).with_ends
     if half == 0.0:
         return text, f"{float(ratio > 1.0):g}"
     deviation = half / quantile(math.inf)

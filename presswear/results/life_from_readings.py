@@ -320,7 +320,7 @@ def _warnings(
         text = f"readings and computed shape disagree: residuals are {size}"
         warnings.append(f"warning: {joint}: {text}; the interval is as much wider")
     if exponent is not None and exponent.disagrees:
-        size = _with_ends(exponent.value)
+        size = exponent.value.with_ends
         text = (
             f"readings and computed shape disagree: wear goes as strokes^{size} of it"
         )
@@ -412,7 +412,7 @@ def _grid_of(lives: Sequence[_JointLife]) -> Array:
 
 def _lines_of(joint: JointWear) -> list[str]:
     """Return the lines on the readings of a joint."""
-    value = f"{_with_ends(joint.factor)} times that of the scene"
+    value = f"{joint.factor.with_ends} times that of the scene"
     size = joint.coefficient
     ends = f"{size.low:.3g} to {size.high:.3g}"  # digits as the setting is typed
     text = f"wear coefficient {value}, {size.mean:.3g} ({ends}) 1/Pa"
@@ -427,10 +427,10 @@ def _line_text(key: str, steady: SteadyWear) -> str:
     unit = LIFE_QUANTITIES[key.rpartition(".")[2]].unit
     rate = steady.rate.scaled(1e6)
     factor, display = unit_scale(unit, abs(rate.mean))
-    words = _with_ends(rate.scaled(factor))
+    words = rate.scaled(factor).with_ends
     text = f"straight line: {words} {display} in 10⁶ strokes"
     factor, display = unit_scale(unit, abs(steady.running_in.mean))
-    running_in = _with_ends(steady.running_in.scaled(factor))
+    running_in = steady.running_in.scaled(factor).with_ends
     text += f", wear of running-in {running_in} {display}"
     until = steady.until
     if until is None or until.low is None or until.high is None:
@@ -439,10 +439,3 @@ def _line_text(key: str, steady: SteadyWear) -> str:
         return f"{text}, with a rate that may be zero"
     ends = large(until.low, until.high, digits=2)
     return f"{text}, limit after {large(until.mean, digits=2)} strokes ({ends})"
-
-
-def _with_ends(value: Estimate) -> str:
-    """Return a number with both ends of its interval."""
-    if value.low is None or value.high is None:
-        return readable(value.mean)
-    return f"{readable(value.mean)} ({readable(value.low)} to {readable(value.high)})"

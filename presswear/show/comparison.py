@@ -116,17 +116,7 @@ def _ratio_of(first: KeyNumber | None, second: KeyNumber | None) -> Ratio:
     if before is None or after is None or before.mean == 0.0:
         return Ratio(NOTHING)
     quotient = ratio(after, before)
-    return Ratio(_text_of(quotient), _verdict_on(quotient))
-
-
-def _text_of(quotient: Estimate) -> str:
-    """Return a ratio with its interval, unless both ends read the same."""
-    text = readable(quotient.mean)
-    if quotient.low is None or quotient.high is None:
-        return text
-    low = readable(quotient.low)
-    high = readable(quotient.high)
-    return text if low == high else f"{text} ({low} to {high})"
+    return Ratio(quotient.with_ends, _verdict_on(quotient))
 
 
 def _verdict_on(quotient: Estimate) -> str:

@@ -12,8 +12,13 @@ from presswear.scene.catalog import title_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import SETTINGS, WIDTH, Drawing, Sheet, wrapped
 from presswear.show.page import FirstScreen, Line, Table
-from presswear.show.report import check_cycles, first_screen, report_tables, titles_of
-from presswear.tools.errors import InputError
+from presswear.show.report import (
+    drawings_of_many_cycles,
+    first_screen,
+    folder_of,
+    report_tables,
+    titles_of,
+)
 from presswear.tools.files import write_whole
 
 # Text as fonts that an editor of vectors and a publisher can read, not as outlines
@@ -31,16 +36,12 @@ def write_pdf(result: Result, extra_figures: Sequence[str] = ()) -> Path:
 
     ``extra_figures`` are figures of ``OF_MANY_CYCLES`` beside those of the report.
     """
-    if result.path is None:
-        raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    file = folder_of(result) / "report.pdf"
     missing = list[str]()
     tables = report_tables(result, missing)
     screen = first_screen(result, missing)
-    check_cycles(result, extra_figures)
-    sheets = list(drawings(result))
-    if extra_figures:
-        sheets += drawings(result, extra_figures)
-    file = result.path / "report.pdf"
+    extra = drawings_of_many_cycles(result, extra_figures)
+    sheets = [*drawings(result), *extra]
     information = {
         "Title": title_of(result.scene),
         "Creator": "presswear",

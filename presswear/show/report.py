@@ -31,6 +31,7 @@ from presswear.scene.scene import Scene
 from presswear.show import page
 from presswear.show.figures import (
     OF_MANY_CYCLES,
+    Drawing,
     drawings,
     first_drawings,
     remove_others,
@@ -106,45 +107,42 @@ def write_report(
     Figures of an earlier report that are not drawn again are removed. ``notify`` is
     called with the number of figures before they are drawn. With ``has_all_figures`` =
     False the page has the figures of ``first_drawings`` and states the command that
-    draws the others. ``extra_figures`` are names in ``OF_MANY_CYCLES``. RunFailed if memory
-    runs out.
+    draws the others. ``extra_figures`` are names in ``OF_MANY_CYCLES``.
+    RunFailed if memory runs out.
     """
-    if result.path is None:
-        raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    path = folder_of(result)
+    command = f"presswear report {shlex.quote(str(path))}"
     try:
-        return _written(result, result.path, notify, has_all_figures, extra_figures)
+        extra = drawings_of_many_cycles(result, extra_figures)
+        sheets = drawings(result) if has_all_figures else first_drawings(result)
+        sheets = [*sheets, *extra]
+        notify(len(sheets))
+        figures = page.illustrated(sheets, inside(path, "figures"))
+        remove_others(path / "figures", [figure.file for figure in figures])
+        text = render_report(result, figures, "" if has_all_figures else command)
+        file = path / "report.html"
+        write_bytes(file, text.encode())
     except Exception as error:
         if not is_out_of_memory(error):
             raise
-        command = f"presswear report {shlex.quote(str(result.path))}"
         raise RunFailed(
             "memory ran out while the report was drawn; the result is kept, and "
             f"{command} draws it"
         ) from None
-
-
-def _written(
-    result: Result,
-    path: Path,
-    notify: Callable[[int], None],
-    has_all_figures: bool,
-    extra_figures: Sequence[str],
-) -> Path:
-    """Draw the figures and write the page; see ``write_report``."""
-    check_cycles(result, extra_figures)
-    sheets = list(drawings(result)) if has_all_figures else list(first_drawings(result))
-    if extra_figures:
-        sheets += drawings(result, extra_figures)
-    notify(len(sheets))
-    folder = inside(path, "figures")
-    figures = page.illustrated(sheets, folder)
-    remove_others(folder, [figure.file for figure in figures])
-    command = ""
-    if not has_all_figures:
-        command = f"presswear report {shlex.quote(str(path))}"
-    file = path / "report.html"
-    write_bytes(file, render_report(result, figures, command).encode())
     return file
+
+
+def folder_of(result: Result) -> Path:
+    """Return the folder of a result; InputError for a result in memory."""
+    if result.path is None:
+        raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    return result.path
+
+
+def drawings_of_many_cycles(result: Result, names: Sequence[str]) -> list[Drawing]:
+    """Return some figures of ``OF_MANY_CYCLES``; InputError as ``check_cycles``."""
+    check_cycles(result, names)
+    return list(drawings(result, names)) if names else []
 
 
 def check_cycles(result: Result, names: Sequence[str]) -> None:

@@ -95,6 +95,16 @@ class Estimate:
         )
         return f"{mean} ({' to '.join(ends)})"
 
+    @property
+    def with_ends(self) -> str:
+        """Mean with both ends of its interval; alone if there is none or both read the same."""
+        mean = readable(self.mean)
+        if self.low is None or self.high is None:
+            return mean
+        low = readable(self.low)
+        high = readable(self.high)
+        return mean if low == high else f"{mean} ({low} to {high})"
+
     def scaled(self, factor: float) -> "Estimate":
         """Return the estimate in another unit; the factor is positive."""
         low, high = (
