@@ -17,7 +17,7 @@ from presswear.analysis.spectra import MAX_ORDER, spectra_of
 from presswear.results.result import Result
 from presswear.results.sampled_cycles import sampled_span
 from presswear.show.figures import style
-from presswear.show.figures.motion import first_and_last, pin_panels
+from presswear.show.figures.motion import pin_panels
 from presswear.show.figures.style import Axes, Drawing, Pen, Shown, ShownStage
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import unit_scale
@@ -83,7 +83,7 @@ def poincare_section(result: Result, shown: Shown) -> list[Drawing]:
         return points.T
 
     sheet, circle = pin_panels(result, shown, draw)
-    shown = first_and_last(shown)
+    shown = style.first_and_last(shown)
     periods = [f"{stage.pen.label}: {period_of(scene, stage.data)}" for stage in shown]
     return style.finished(
         "poincare",

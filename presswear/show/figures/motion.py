@@ -42,11 +42,6 @@ ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", style.REFERENCE, width=0.7)
 
 
-def first_and_last(stages: Shown) -> list[ShownStage]:
-    """Return the first and the last of some stages, which may be the same."""
-    return list(stages) if len(stages) < 2 else [stages[0], stages[-1]]
-
-
 def _pens(stages: Shown) -> list[Pen]:
     return [IDEAL, *(stage.pen for stage in stages)]
 
@@ -171,7 +166,7 @@ def whole_cycles(time: Array, window: Window) -> slice:
 def contact_force(result: Result, moving: Shown) -> list[Drawing]:
     """Draw the normal force at each clearance joint over time, in the first and last stage."""
     shown, window = sampled(result, moving)
-    shown = first_and_last(shown)
+    shown = style.first_and_last(shown)
     places = list(product(result.scene.loose_pins, shown))
     if window.zone:
         height = 0.8 + min(1.5 * len(places), style.TALLEST - 0.8)
@@ -213,7 +208,9 @@ def _share_limits(zones: Sequence[Axes], joints: Sequence[str]) -> None:
 def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
     """Draw the height of bottom dead centre over the ideal in each stroke, first and last stage."""
     scene = result.scene
-    shown = first_and_last([stage for stage in shown if stage.data.statistics.bdc])
+    shown = style.first_and_last(
+        [stage for stage in shown if stage.data.statistics.bdc]
+    )
     if not shown or not scene.has_deviations:
         return []
     strokes = [bottom_errors(scene, stage.data) for stage in shown]

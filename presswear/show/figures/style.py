@@ -157,6 +157,11 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
     ]
 
 
+def first_and_last(stages: Shown) -> list[ShownStage]:
+    """Return the first and the last of some stages, which may be the same."""
+    return list(stages) if len(stages) < 2 else [stages[0], stages[-1]]
+
+
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     """Return the names of stages; ``computed`` if nothing can wear."""
     has_wear = bool(result.scene.clearance_joints)
@@ -235,8 +240,7 @@ def joint_panels(
     lowest : list of Axes
         Lowest panel of each column.
     """
-    first_and_last = stages if len(stages) < 2 else [stages[0], stages[-1]]
-    contents = list(product(joints, first_and_last))
+    contents = list(product(joints, first_and_last(stages)))
     sheet, shown, lowest = panel_list(len(contents), height, **sharing)
     panels = []
     for axes, (joint, stage) in zip(shown, contents, strict=True):

@@ -23,6 +23,8 @@ MOMENTS = {
     "separation": ("^", "triangle up: leaves the work"),
 }
 _MARGIN = 0.15  # margin before and after the working zone, part of its length
+# What a line of the working zone has in common with that of the full turn
+_LINE_STYLE = ("color", "linestyle", "linewidth", "marker", "markersize")
 _WIDTHS = (3.0, 2.0)  # widths of the panels of the full turn and of the working zone
 
 
@@ -107,11 +109,7 @@ def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
     """Draw the part of a line in the working zone with its style."""
     x, y = (np.asarray(values, float) for values in line.get_data())
     line_style: dict[str, Any] = {
-        "color": line.get_color(),
-        "linestyle": "none" if line.get_linestyle() == "None" else line.get_linestyle(),
-        "linewidth": line.get_linewidth(),
-        "marker": line.get_marker(),
-        "markersize": line.get_markersize(),
+        name: getattr(line, f"get_{name}")() for name in _LINE_STYLE
     }
     if line.get_transform() is not source.transData:  # a line of ``axhline``
         target.axhline(y[0], **line_style)
@@ -121,7 +119,7 @@ def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
         return
     first = rows[0]
     end = rows[-1] + 1
-    if line_style["linestyle"] != "none":
+    if line_style["linestyle"] != "None":
         # One more row on each side, so that the curve fills the panel.
         first = max(first - 1, 0)
         end += 1
