@@ -281,7 +281,6 @@ class WorkUnit:
     spec: RunSpec
     part: Part
     duration: float  # wall time after which the part ends with the next cycle, s
-    frames: int = 0  # film frames to show while it runs
     observers: tuple[Observer, ...] = ()  # notified by the engine, in this process
 
     def __call__(self, report: Report) -> RunState:
@@ -291,14 +290,10 @@ class WorkUnit:
         """
         running = _RunningPart(self)
 
-        def report_progress(fraction: float, recorder: Recorder) -> None:
-            rows = recorder.last_frames(self.frames) if self.frames else None
-            report(fraction * self.spec.cycles, "", rows)
-
         plan = replace(
             self.spec.plan(self.scene),
             observers=(running, *self.observers),
-            report=report_progress,
+            report=lambda part, recorder: report(part * self.spec.cycles),
             resume=running.arrays,
         )
         start = start_of(self.scene, self.part.replicate)

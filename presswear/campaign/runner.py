@@ -27,9 +27,7 @@ from presswear.campaign.replicates import (
     linkage_on,
 )
 from presswear.campaign.settled_motions import settling_of
-from presswear.linkage.linkage import Linkage
 from presswear.recording.columns import cycle_column
-from presswear.recording.film import Film
 from presswear.recording.observer import COMPILING, Observer, Progress
 from presswear.recording.statistics import (
     MIN_SAMPLES,
@@ -113,9 +111,7 @@ class Runner:
         self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
 
-    def report(
-        self, part: float, whole: float, word: str, linkage: Linkage, film: Any
-    ) -> None:
+    def report(self, part: float, whole: float, word: str) -> None:
         """Report ``part`` of ``whole`` cycles of each replicate in the present ensemble.
 
         Each cycle completes an equal part of the remaining progress, so that the progress
@@ -137,9 +133,7 @@ class Runner:
                 life + (1.0 - life) * (index + share) / stages
                 for life, share in zip(self.life, self.shares, strict=True)
             )
-        progress = Progress(
-            self.index or 0, shown, whole, word, linkage, film, estimate
-        )
+        progress = Progress(self.index or 0, shown, whole, word, estimate)
         for observer in self.observers:
             observer.on_progress(progress)
 
@@ -202,7 +196,6 @@ class _Rounds:
         """Return the work units of runs that are not at the end of their round."""
         runner = self.runner
         last = self._last()
-        frames = max((observer.frames for observer in runner.observers), default=0)
         observers = tuple(item for item in runner.observers if item.observes_runs)
         units: dict[int, Job] = {}
         for k in indices:
@@ -213,9 +206,7 @@ class _Rounds:
             number = k + self._size * self.spec.number
             part = Part(self.depth[k], number, self.state.until[k], arrays)
             duration = runner.workers.lasts
-            units[k] = WorkUnit(
-                runner.scene, self.spec, part, duration, frames, observers
-            )
+            units[k] = WorkUnit(runner.scene, self.spec, part, duration, observers)
         return units
 
     def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
@@ -295,7 +286,7 @@ class _Rounds:
         settling = settling_of(self._linkages[members.start].clearances, rows)
         return cycles if settling and settling.verdict == "mixed" else 0
 
-    def on_report(self, index: int, done: float, word: str, rows: Array | None) -> None:
+    def on_report(self, index: int, done: float, *_: Any) -> None:
         """Report the progress of the runs."""
         is_compiling = math.isnan(done)
         size = self._size
@@ -304,12 +295,7 @@ class _Rounds:
         needed = np.repeat(self._needed, size)
         cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
         word = self.spec.label or cycle
-        linkage = self._linkages[index]
-        film = None
-        # A window shows one of the runs.
-        if rows is not None and all(map(self._is_over, range(index))):
-            film = Film.of(rows, len(linkage.clearances))
         part = float(sum(np.minimum(self._done, needed))) / size
         whole = float(sum(needed)) / size
         word = COMPILING if is_compiling else word
-        self.runner.report(part, whole, word, linkage, film)
+        self.runner.report(part, whole, word)

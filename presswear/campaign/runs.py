@@ -195,8 +195,8 @@ def workers_of(
     if scene.wear_updates > 0 and not scene.wears_in_steps and runs > 1:
         runs *= 2  # two sets of runs, see ``ensemble``
     count = min(jobs or cores(), runs)
-    # Observers of runs and frames for a window need the runs in this process.
-    if any(observer.observes_runs or observer.frames for observer in observers):
+    # Observers of runs need them in this process.
+    if any(observer.observes_runs for observer in observers):
         count = 1
     duration = interval / _UNITS_PER_CHECKPOINT
     if count > 1:

@@ -1,8 +1,8 @@
 """``presswear run``: a scene into its result folder."""
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from threading import Thread
@@ -12,7 +12,6 @@ from rich.console import Console
 
 from presswear.cli import terminal
 from presswear.cli.run_observer import RunObserver, least_needed
-from presswear.recording.observer import Observer
 from presswear.scene.catalog import title_of
 from presswear.scene.differences import changes_from
 from presswear.scene.files import SUFFIX
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from presswear.results.result import Result
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
-LIVE_SIZE = (960, 640)  # width and height of the window, pixels
 
 
 def has_no_options(arguments: argparse.Namespace) -> bool:
@@ -82,10 +80,9 @@ def run_scene(
     from presswear.results.folder import ResultFolder  # slow to import
     from presswear.results.result import load
 
-    with _window(scene, arguments) as windows:
-        store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
-        _print_start(store, scene, remarks, console)
-        _run_into(store, scene, windows, arguments, console)
+    store = ResultFolder(folder, scene, arguments.checkpoint, arguments.resume)
+    _print_start(store, scene, remarks, console)
+    _run_into(store, scene, arguments, console)
     return finish(load(folder), arguments, console)
 
 
@@ -98,18 +95,6 @@ def _scene_to_run(
         return _stored_scene(arguments)
     scene = terminal.load_scene(arguments.scene)
     return scene if change is None else change(scene), []
-
-
-@contextmanager
-def _window(scene: Scene, arguments: argparse.Namespace) -> Iterator[list[Observer]]:
-    """Yield the window that shows the run while it computes, if it is wanted."""
-    if not getattr(arguments, "live", False):
-        yield []
-        return
-    from presswear.show.replay.output import Live
-
-    with closing(Live(scene, LIVE_SIZE)) as live:
-        yield [live]
 
 
 def _print_start(
@@ -132,7 +117,6 @@ def _print_start(
 def _run_into(
     store: "ResultFolder",
     scene: Scene,
-    windows: list[Observer],
     arguments: argparse.Namespace,
     console: Console,
 ) -> None:
@@ -146,7 +130,7 @@ def _run_into(
             terminal.resumable(command, store.path, lambda: store.stored_part),
             terminal.progress_bar(console) as bar,
         ):
-            observers = [RunObserver(bar, scene, arguments.yes), *windows]
+            observers = [RunObserver(bar, scene, arguments.yes)]
             with workers_of(
                 scene, arguments.jobs, observers, store.interval
             ) as workers:

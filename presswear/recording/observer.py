@@ -4,11 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from presswear.linkage.linkage import Linkage
 from presswear.tools.arrays import State
 
 if TYPE_CHECKING:
-    from presswear.recording.film import Film
     from presswear.recording.recorder import Recorder
 
 COMPILING = "compiling"  # ``Progress.word`` while a run waits for the compiler
@@ -24,23 +22,12 @@ class Progress:
     # completed fraction of the campaign, 0 to 1, as far as it can be estimated
     whole: float
     word: str  # short description of the present step, or ""
-    linkage: Linkage  # with its worn surfaces
-    # last frames of one of the runs, if an observer needs frames
-    film: "Film | None" = None
     # latest estimate of the completed fraction, which may decrease, unlike ``whole``
     estimate: float | None = None
 
 
 class Observer:
-    """Object that is notified of a run; a subclass overrides the methods that it needs.
-
-    Attributes
-    ----------
-    frames : int
-        Number of film frames that ``on_progress`` needs.
-    """
-
-    frames = 0
+    """Object that is notified of a run; a subclass overrides the methods that it needs."""
 
     @property
     def observes_runs(self) -> bool:

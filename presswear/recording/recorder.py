@@ -162,19 +162,6 @@ class Recorder:
         rows = self.records.film[: int(self.records.sampler["frames"][0])]
         return Film.of(rows, self.records.memory.size)
 
-    def last_frames(self, count: int) -> Array:
-        """Return the rows of the last frames for ``Film.of``.
-
-        If the film is full or has no frame yet, the only row is the present frame, which
-        lies behind the recorded frames.
-        """
-        film = self.records.film
-        frames = int(self.records.sampler["frames"][0])
-        is_full = frames == len(film) - 1
-        if is_full or frames == 0:
-            return film[frames : frames + 1]
-        return film[max(frames - count, 0) : frames]
-
     def stored_contacts(self, k: int) -> Array:
         """Return the recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
         rows = self.records.stored_contacts[k, : int(self.records.counters["rows"][k])]

@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
@@ -199,10 +198,8 @@ def test_resuming_on_another_machine_is_remarked(tmp_path):
     assert "Plan 9, 1 core" in remark
 
 
-class Frames(pw.engines.Observer):
-    """Keeps the progress, with frames as a window needs them."""
-
-    frames = 60
+class Kept(pw.engines.Observer):
+    """Keeps the progress."""
 
     def __init__(self) -> None:
         self.progress: list[pw.engines.Progress] = []
@@ -212,19 +209,12 @@ class Frames(pw.engines.Observer):
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_progress_has_frames_for_a_window(jobs):
-    observer = Frames()
+def test_progress_names_the_cycle_and_never_falls(jobs):
+    observer = Kept()
     scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [observer]) as workers:
         run_stage(scene, observers=[observer], workers=workers)
     progress = observer.progress
-    films = [each.film for each in progress if each.film is not None]
-    assert films
-    for film in films:
-        assert film.position.shape[1] == 3 * len(progress[0].linkage.bodies)
-        assert 0 < len(film.time) <= 60
-        assert film.joints.shape[1:] == (2, 6)
-        assert np.isfinite(film.position).all()
-    assert any("cycle 3 of 6" in each.word for each in progress)
+    assert any(" of 6" in each.word for each in progress)
     parts = [each.part for each in progress]
     assert parts == sorted(parts)

@@ -230,21 +230,20 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock):
     console = console_of(120, clock)
     bar = progress_bar(console)
     observer = RunObserver(bar, SCENE)
-    linkage = SCENE.linkage()
     for _ in range(3):
-        observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
+        observer.on_progress(Progress(0, 0.0, 0.0, COMPILING))
         clock.now += 8.0
         assert lines_of(bar, 80, clock)[0].startswith("compiling")
-    observer.on_progress(Progress(0, 0.1, 0.1, "", linkage))
+    observer.on_progress(Progress(0, 0.1, 0.1, ""))
     assert lines_of(bar, 80, clock)[0].startswith("no wear")
     observer.on_stage(stage)
     assert (
         "1 cycle of all replicates, 3.00 s per simulated second"
         in console.export_text()
     )
-    observer.on_progress(Progress(0, 0.0, 0.0, COMPILING, linkage))
+    observer.on_progress(Progress(0, 0.0, 0.0, COMPILING))
     clock.now += 8.0
-    observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps", linkage))
+    observer.on_progress(Progress(0, 0.2, 0.2, "first wear in 8 steps"))
     observer.on_stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
 
@@ -265,9 +264,7 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock):
     observer = RunObserver(progress_bar(console), SCENE)
     for k in range(1, 13):
         clock.now += 10.5
-        observer.on_progress(
-            Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5", SCENE.linkage())
-        )
+        observer.on_progress(Progress(0, 0.04 * k, 0.04 * k, "cycle 2 of 5"))
     assert console.export_text().splitlines() == [
         "no wear: cycle 2 of 5, 24 % 3.33 minutes left",
         "no wear: cycle 2 of 5, 48 % 2.27 minutes left",
@@ -278,10 +275,9 @@ def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock):
     """The quarter from the first report took 20 s; by the estimate a half is left."""
     bar = progress_bar(console_of(80, clock))
     observer = RunObserver(bar, SCENE)
-    linkage = SCENE.linkage()
     for whole, estimate in ((0.6, 0.25), (0.9, 0.5)):
         clock.now += 20.0
-        observer.on_progress(Progress(0, whole, whole, "", linkage, None, estimate))
+        observer.on_progress(Progress(0, whole, whole, "", estimate))
     assert lines_of(bar, 80, clock)[0].endswith("90% 40 s left")
 
 

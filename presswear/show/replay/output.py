@@ -19,12 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
-from presswear.recording.observer import Observer, Progress
-from presswear.scene.catalog import short_name_of
-from presswear.scene.scene import Scene
-from presswear.show.replay import clip as clip_module
-from presswear.show.replay.clip import Chapter, Clip, Snapshot, frames_at, snapshots
+from presswear.recording.film import FRAMES_PER_CYCLE
+from presswear.show.replay.clip import Clip, frames_at, snapshots, speed_text
 from presswear.show.replay.picture import Picture, exu
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import write_whole
@@ -51,10 +47,6 @@ UP = 265
 HOME = 268
 END = 269
 SPEED_STEP = 1.5  # ratio of two playing speeds
-LIVE_INTERVAL = 0.04  # time between two pictures of a running simulation, s
-# Force of the longest arrow, N: the largest force is not yet available
-LIVE_FORCE = 500.0
-LIVE_PEAK_FRAMES = 10  # last frames whose largest force is drawn
 
 
 def still(
@@ -174,14 +166,12 @@ def _mp4(file: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
         raise RunFailed(f"ffmpeg could not write the film: {reason}")
 
 
-def _start_window(
-    target: Callable[..., None], *arguments: Any
-) -> tuple[Any, Connection]:
-    """Return a process with an open window and a connection to it."""
+def _start_window(*arguments: Any) -> Any:
+    """Return a process with an open window, which plays clips; see ``_play``."""
     context = multiprocessing.get_context("spawn")
     connection, end_of_window = context.Pipe()
     process = context.Process(
-        target=target, args=(end_of_window, *arguments), daemon=True
+        target=_play, args=(end_of_window, *arguments), daemon=True
     )
     with starting_processes():
         process.start()
@@ -190,7 +180,7 @@ def _start_window(
     try:
         if connection.poll(MAX_START):
             connection.recv()
-            return process, connection
+            return process
     except EOFError:  # Exudyn ends the process if there is no display
         process.join(1.0)
         display = f"DISPLAY is {os.environ.get('DISPLAY') or 'not set'}"
@@ -205,9 +195,7 @@ def _start_window(
 class Window:
     """Exudyn's window with a picture in it."""
 
-    def __init__(
-        self, picture: Picture, press: Callable[[int], bool] = lambda key: False
-    ) -> None:
+    def __init__(self, picture: Picture, press: Callable[[int], bool]) -> None:
         self.picture = picture
         self._renderer: Any = picture.container.renderer
         settings = picture.container.visualizationSettings
@@ -313,7 +301,7 @@ def play(
     clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
 ) -> None:
     """Play clips in a window until it is closed; raises RunFailed if it cannot be opened."""
-    process, _ = _start_window(_play, clips, size, start, slow)
+    process = _start_window(clips, size, start, slow)
     try:
         process.join()
     finally:
@@ -347,7 +335,7 @@ def _play(
     is_open = True
     while is_open:
         frames = frames_at(clips, player.time)
-        note = clip_module.speed_text(player.slow) if player.plays else "paused"
+        note = speed_text(player.slow) if player.plays else "paused"
         window.picture.show(snapshots(clips, previous, frames), player.fraction, note)
         previous = frames
         is_open = window.idle()
@@ -357,90 +345,4 @@ def _play(
         now = clock.perf_counter()
         player.advance(now - shown)
         shown = now
-    window.close()
-
-
-class Live(Observer):
-    """Window that shows a running simulation; closing it does not stop the run.
-
-    A frame is sent only after the window has shown the previous one, so that the run
-    never waits.
-    """
-
-    frames = clip_module.PATH_FRAMES
-
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
-        self._scene = scene
-        self._linkage = scene.linkage()
-        times = np.linspace(0.0, scene.mechanism.period, 181)
-        joints = np.zeros((len(times), len(self._linkage.clearances), len(FILM_JOINT)))
-        self._film = Film(times, scene.ideal.at(times).position, joints)
-        self._process, self._window = _start_window(_show_live, size, self._clip(0))
-        self._is_ready = True
-        self._sent = 0.0
-
-    def _clip(self, stage: int) -> Clip:
-        chapter = Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage)
-        forces = {joint.name: LIVE_FORCE for joint in self._linkage.clearances}
-        period = self._scene.mechanism.period
-        depths = clip_module.max_depths(self._linkage)
-        return Clip(
-            short_name_of(self._scene), (chapter,), period, depths, forces, self._film
-        )
-
-    def on_progress(self, progress: Progress) -> None:
-        """Send the last frames of a run to the window if it is ready."""
-        now = clock.perf_counter()
-        film = progress.film
-        if film is None or now - self._sent < LIVE_INTERVAL:
-            return
-        try:
-            while self._window.poll():
-                self._window.recv()
-                self._is_ready = True
-            if not self._is_ready:
-                return
-            if progress.linkage is not self._linkage:
-                self._linkage = progress.linkage
-                self._window.send(self._clip(progress.stage))
-            time = float(film.time[-1])
-            peaks = film.joints[-LIVE_PEAK_FRAMES:, :, clip_module.PEAK].max(axis=0)
-            fraction = time / self._scene.mechanism.period % 1.0
-            snapshot = Snapshot(time, film.position, film.joints[-1], peaks)
-            self._window.send((snapshot, fraction))
-            self._is_ready = False
-            self._sent = now
-        except (EOFError, OSError):
-            self._sent = np.inf  # the window is closed
-
-    def close(self) -> None:
-        """Close the window."""
-        self._window.close()
-        self._process.join(2.0)
-        self._process.kill()
-
-
-def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
-    """Show snapshots, and clips with other surfaces, until the run ends or the window is closed."""
-    end_with_parent()
-
-    def opened(clip: Clip) -> Window:
-        picture = Picture([clip], size)
-        picture.show([clip.snapshot(0, 0)], 0.0, "")
-        return Window(picture)
-
-    window = opened(clip)
-    run.send("open")
-    try:
-        while window.idle():
-            message = run.recv() if run.poll() else None
-            if isinstance(message, Clip):
-                window.close()
-                window = opened(message)
-            elif message is not None:
-                snapshot, fraction = message
-                window.picture.show([snapshot], fraction, "")
-                run.send("shown")
-    except (EOFError, OSError):
-        pass  # the run has ended
     window.close()

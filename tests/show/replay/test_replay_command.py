@@ -1,4 +1,4 @@
-"""``presswear replay``: stills, films, windows, and live runs."""
+"""``presswear replay``: stills, films, and windows."""
 
 import shutil
 import subprocess
@@ -96,15 +96,13 @@ def test_bad_input_is_refused_in_one_line(
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="displays of Linux")
-@pytest.mark.parametrize(
-    ("name", "line"), [("", "replay ."), (":987", "run wear-times --live")]
-)
+@pytest.mark.parametrize("name", ["", ":987"])
 def test_without_a_display_one_line_names_alternatives(
-    folder, name, line, monkeypatch, capfd
+    folder, name, monkeypatch, capfd
 ):
     monkeypatch.setenv("DISPLAY", name)
     monkeypatch.chdir(folder)
-    assert main(line.split()) == 1
+    assert main(["replay", "."]) == 1
     shown = capfd.readouterr().err
     assert shown.count("\n") == 1
     assert all(word in shown for word in ("no window can", "--movie", "--still"))
@@ -117,23 +115,6 @@ def test_a_key_ends_a_window_that_plays(folder, display):
     assert window.wait(30) == 0
     assert window.stderr is not None
     assert window.stderr.read() == b""
-
-
-@needs_xdotool
-def test_a_run_goes_on_when_its_window_is_closed(tmp_path, display):
-    options = ["--engine", "dae", "--cycles", "20", "--wear-updates", "0", "--live"]
-    command = [
-        *REPLAY[:3],
-        "run",
-        "wear-times",
-        *options,
-        "--out",
-        str(tmp_path / "live"),
-    ]
-    run = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    press(run, "q")
-    assert run.wait(120) == 0
-    assert (tmp_path / "live" / "result.json").exists()
 
 
 def press(process: "subprocess.Popen[bytes]", *keys: str) -> None:
