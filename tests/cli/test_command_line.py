@@ -156,13 +156,7 @@ def test_interrupt_that_became_error(monkeypatch, command):
 
 
 @pytest.mark.parametrize(("kind", "key"), [("press", "length_2"), ("points", "cycle")])
-def test_a_new_file_is_listed_drawn_and_run(
-    kind,
-    key,
-    tmp_path,
-    monkeypatch,
-    command,
-):
+def test_a_new_file_is_listed_drawn_and_run(kind, key, tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     assert f"wrote {kind}.toml" in command(f"new {kind}")
     command(f"new {kind} mine.toml")

@@ -18,7 +18,6 @@ from python_process import python
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
-from presswear.campaign.wear_update import refinement_spec
 from presswear.cli import run_observer
 from presswear.cli import several_runs as several_runs_module
 from presswear.cli.run_observer import RunObserver, step_text
@@ -36,7 +35,6 @@ from presswear.recording.statistics import Estimate
 from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics, StageStatistics
 from presswear.scene.catalog import wear_times
-from presswear.scene.files import example_file
 
 SCENE = replace(wear_times(), engine="dae", wear_updates=2)
 
@@ -49,7 +47,7 @@ class Clock:
 
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+def clock(monkeypatch):
     clock = Clock()
     monkeypatch.setattr(run_observer, "clock", clock)
     return clock
@@ -78,7 +76,7 @@ def lines_of(bar: ProgressBar, width: int, clock: Clock) -> list[str]:
 
 
 @pytest.mark.parametrize("width", [48, 120])
-def test_bar_and_remaining_time_fit_at_any_width(width, clock: Clock):
+def test_bar_and_remaining_time_fit_at_any_width(width, clock):
     bar = progress_bar(console_of(width, clock))
     long = "applying the seventh wear in 200 steps, cycle 151 of 163"
     tasks = [bar.add_task(words, total=1.0) for words in (long, long.upper(), "short")]
@@ -118,44 +116,6 @@ def in_terminal(words: list[str], folder: Path) -> str:
     return output.decode()
 
 
-def test_descriptions_fit_in_a_line_of_80_columns(clock: Clock):
-    stage = 20
-    update = refinement_spec(replace(SCENE, max_cycles=4096), stage, 1e6, None, 2)
-    assert update is not None
-    labels = [
-        "cycle 1999 of 2000",
-        update.label,
-        "life, refinement 12, 990 million strokes",
-    ]
-    texts = [step_text(SCENE, stage, label) for label in labels]
-    bar = progress_bar(console_of(80, clock))
-    tasks = [
-        bar.add_task(text, total=1.0)
-        for text in [*texts, "sweep: 1234 of 2000, 12 failed"]
-    ]
-    clock.now += 0.5 * 762.0
-    for task in tasks:
-        bar.update(task, completed=1.0 / 3.0)
-    lines = lines_of(bar, 80, clock)
-    assert len(lines) == len(tasks)
-    assert all(line.endswith("33% 12.7 minutes left") for line in lines)
-
-
-@pytest.mark.slow
-def test_progress_of_a_life_stays_in_its_line_of_a_pseudo_terminal(
-    tmp_path,
-):
-    """The cursor never goes up, as it would to repaint a second line, and the share never falls."""
-    (tmp_path / "four-bar.toml").write_text(example_file("four-bar"))
-    line = "life four-bar.toml --cycles 1 --until B.depth>4um --tolerance 1 --no-report"
-    line += " --jobs 1 --set life.max_cycles=40 --set replicates=2 --out out"
-    text = in_terminal(["-m", "presswear", *line.split()], tmp_path)
-    assert "life, refinement 1, " in text
-    assert "\x1b[1A" not in text.partition("life: ")[0]
-    shares = [int(share) for share in re.findall(r"(\d+)%", text)]
-    assert shares == sorted(shares)
-
-
 def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
@@ -169,7 +129,7 @@ def test_a_run_of_python_shows_its_progress_in_a_terminal_alone(tmp_path):
     assert (done.stdout, done.stderr) == ("end\n", "")
 
 
-def test_several_runs_are_counted_in_one_line(tmp_path, clock: Clock):
+def test_several_runs_are_counted_in_one_line(tmp_path, clock):
     console = console_of(80, clock)
     with several_runs(console, "improve", tmp_path, 2) as (show, _):
         show(
@@ -182,22 +142,7 @@ def test_several_runs_are_counted_in_one_line(tmp_path, clock: Clock):
     assert "improve: 1 of 2 finished " in text.splitlines()[-1]
 
 
-def test_several_runs_print_a_line_a_minute_without_a_terminal(
-    tmp_path, clock: Clock, monkeypatch
-):
-    monkeypatch.setattr(several_runs_module, "clock", clock)
-    console = console_of(80, clock, is_terminal=False)
-    with several_runs(console, "lives", tmp_path, 2) as (show, _):
-        for share in (0.1, 0.2, 0.3, 0.4):
-            show("plain", share, "cycle 3 of 5")
-            clock.now += 40.0
-    lines = [line for line in console.export_text().splitlines() if line]
-    assert lines == ["lives: 0 of 2 finished, 15 % 7.55 minutes left"]
-
-
-def test_time_left_of_several_runs_is_that_of_the_longest(
-    tmp_path, clock: Clock, monkeypatch
-):
+def test_time_left_of_several_runs_is_that_of_the_longest(tmp_path, clock, monkeypatch):
     """The short run has 100 s left at the mean speed, the long one 300 s."""
     monkeypatch.setattr(several_runs_module, "clock", clock)
     console = console_of(80, clock, is_terminal=False)
@@ -225,7 +170,7 @@ def test_steps_are_described():
     )
 
 
-def test_compile_time_is_shown_and_not_counted(clock: Clock):
+def test_compile_time_is_shown_and_not_counted(clock):
     stage = stage_of(StageStatistics(cycles=1), 2.0, 30.0)
     console = console_of(120, clock)
     bar = progress_bar(console)
@@ -248,7 +193,7 @@ def test_compile_time_is_shown_and_not_counted(clock: Clock):
     assert "15.00 s per simulated second" in console.export_text()
 
 
-def test_a_stage_says_whether_its_motion_has_settled(clock: Clock):
+def test_a_stage_says_whether_its_motion_has_settled(clock):
     """An interval of an irregular motion never stands alone, and neither does a stage in Python."""
     console = console_of(120, clock)
     settling = Settling(watched=22, starts=(None,) * 4, motions=())
@@ -259,7 +204,7 @@ def test_a_stage_says_whether_its_motion_has_settled(clock: Clock):
     assert line in f"{stage}"
 
 
-def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock):
+def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock):
     console = console_of(80, clock, is_terminal=False)
     observer = RunObserver(progress_bar(console), SCENE)
     for k in range(1, 13):
@@ -271,7 +216,7 @@ def test_a_line_a_minute_shows_the_progress_without_a_terminal(clock: Clock):
     ]
 
 
-def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock):
+def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock):
     """The quarter from the first report took 20 s; by the estimate a half is left."""
     bar = progress_bar(console_of(80, clock))
     observer = RunObserver(bar, SCENE)
@@ -281,7 +226,7 @@ def test_time_left_of_a_resumed_run_is_by_its_latest_estimate(clock: Clock):
     assert lines_of(bar, 80, clock)[0].endswith("90% 40 s left")
 
 
-def test_lines_of_a_stage_are_few_and_whole(clock: Clock):
+def test_lines_of_a_stage_are_few_and_whole(clock):
     """Of many joints the three with the largest values, a line each, and what the bins change."""
     joints = {}
     some = Estimate(1.0)
@@ -302,13 +247,6 @@ def test_lines_of_a_stage_are_few_and_whole(clock: Clock):
     assert lines[3].strip() == "(bins of 1°; twice as many bins halve it)"
 
 
-def test_long_lines_are_wrapped_between_words(clock: Clock):
-    console = console_of(40, clock)
-    words = "a path/of/some-hyphenated/length " * 4
-    print_lines(console, words)
-    assert console.export_text().split() == words.split()
-
-
 def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
     monkeypatch,
 ):
@@ -320,7 +258,7 @@ def test_a_signal_that_a_computation_swallows_stops_it_at_its_next_progress(
             report("second", 0.2)
 
 
-def test_control_characters_are_escaped(clock: Clock):
+def test_control_characters_are_escaped(clock):
     console = console_of(80, clock)
     print_lines(console, "a\x1b[2Jb")
     print_table(console, ["name"], [["c\x1b[2Jd"]])
@@ -329,7 +267,7 @@ def test_control_characters_are_escaped(clock: Clock):
     assert r"c\x1b[2Jd" in text
 
 
-def test_names_are_no_markup(clock: Clock, monkeypatch):
+def test_names_are_no_markup(clock, monkeypatch):
     result: Any = Namespace(stages=["first"])
     monkeypatch.setattr("presswear.results.result.load", lambda _path: result)
     monkeypatch.setattr(

@@ -18,7 +18,7 @@ KINDS |= dict.fromkeys(("sliding", "normal"), "friction_law")
 
 
 @pytest.fixture
-def file(tmp_path: Path) -> Path:
+def file(tmp_path):
     path = tmp_path / "laws.py"
     path.write_text("\n".join(BLOCKS))
     return path

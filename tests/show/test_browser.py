@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +28,7 @@ pytestmark = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Chrome]:
+def browser():
     options = ChromeOptions()
     options.binary_location = str(BROWSER)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
@@ -46,7 +45,7 @@ def browser() -> Iterator[Chrome]:
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def report(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     return write_report(replace(made.made_up(made.BOTH, 2), path=folder))
 
@@ -75,16 +74,14 @@ def is_loaded(browser: Chrome) -> bool:
 
 
 @pytest.fixture(scope="module")
-def blanking(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def blanking(tmp_path_factory):
     result = made.made_up(pw.scenes.press_blanking(), 2)
     folder = tmp_path_factory.mktemp("blanking")
     return write_report(replace(result, path=folder), has_all_figures=False)
 
 
 @pytest.mark.parametrize("name", ["report", "blanking"])
-def test_the_first_screen_has_drawing_and_key_numbers(
-    browser: Chrome, name, request: pytest.FixtureRequest
-):
+def test_the_first_screen_has_drawing_and_key_numbers(browser, name, request):
     show(browser, request.getfixturevalue(name), 1280)
     numbers = browser.find_elements(By.CSS_SELECTOR, ".key > div")
     assert 6 <= len(numbers) <= 14
@@ -97,7 +94,7 @@ def test_the_first_screen_has_drawing_and_key_numbers(
     assert errors == []
 
 
-def test_a_report_executes_no_script(browser: Chrome, report, tmp_path):
+def test_a_report_executes_no_script(browser, report, tmp_path):
     planted = "<script>document.title = 'executed'</script>"
     planted += '<img src=x onerror="document.title = 2">'
     file = tmp_path / "planted.html"
@@ -115,7 +112,7 @@ def test_a_report_of_seven_joints_is_small(tmp_path):
     assert seven.stat().st_size < MAX_BYTES
 
 
-def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report):
+def test_a_narrow_page_does_not_scroll_sideways(browser, report):
     show(browser, report, 400)
     open_all_parts(browser)
     assert is_as_wide_as_its_window(browser)
@@ -126,24 +123,7 @@ def test_a_narrow_page_does_not_scroll_sideways(browser: Chrome, report):
     assert {*browser.execute_script(f"return {lines}")} == {1}
 
 
-def test_a_table_that_scrolls_says_so(browser: Chrome, report):
-    words = {}
-    for width in (400, 1280):
-        show(browser, report, width)
-        open_all_parts(browser)
-        texts = "return [...document.querySelectorAll('.scroll')].map(box => ["
-        texts += "box.scrollWidth > box.clientWidth + 1, "
-        texts += "getComputedStyle(box, '::before').content])"
-        browser.execute_async_script("requestAnimationFrame(arguments[0])")
-        words[width] = browser.execute_script(texts)
-        assert all(
-            ("scrolls sideways" in text) == scrolls for scrolls, text in words[width]
-        )
-    assert any(scrolls for scrolls, _ in words[400])
-    assert not all(scrolls for scrolls, _ in words[1280])
-
-
-def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(browser: Chrome, report):
+def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(browser, report):
     show(browser, report, 400)
     box = browser.find_element(By.CSS_SELECTOR, "figure .zoom")
     svg = box.find_element(By.TAG_NAME, "svg")
@@ -175,7 +155,7 @@ def test_a_figure_is_enlarged_and_moved_by_mouse_and_keyboard(browser: Chrome, r
 
 
 @pytest.fixture(scope="module")
-def running(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def running(tmp_path_factory):
     """Return the report of a run, whose film moves the mechanism."""
     folder = tmp_path_factory.mktemp("running") / "result"
     groove = pw.linkage.Surface(1e-5 * (1.0 + np.cos(np.linspace(0.0, 6.28, 360))))
@@ -186,7 +166,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("width", [400, 1280])
-def test_a_slider_moves_the_mechanism(browser: Chrome, running, width):
+def test_a_slider_moves_the_mechanism(browser, running, width):
     show(browser, running, width)
     slider = browser.find_element(By.CSS_SELECTOR, ".motion input")
     body = browser.find_element(By.CSS_SELECTOR, ".motion .body")
@@ -210,7 +190,7 @@ def test_a_slider_moves_the_mechanism(browser: Chrome, running, width):
     assert is_as_wide_as_its_window(browser)
 
 
-def test_parts_open_by_mouse_keyboard_and_contents(browser: Chrome, report):
+def test_parts_open_by_mouse_keyboard_and_contents(browser, report):
     show(browser, report, 1280)
     closed = browser.find_elements(By.CSS_SELECTOR, "details:not([open])")
     assert len(closed) >= 4

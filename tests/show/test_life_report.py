@@ -9,7 +9,6 @@ from made_up_result import altered, lived, made_up, not_passed
 from test_page import Page
 
 import presswear as pw
-from presswear.results.life import Ended
 from presswear.show.report import render_report
 
 
@@ -77,7 +76,7 @@ def test_a_pin_that_ends_a_life_with_a_new_bushing_is_named():
         ("cycles", "", "life.max_cycles"),
     ],
 )
-def test_an_unknown_life_is_not_guessed(ended: Ended, message, line):
+def test_an_unknown_life_is_not_guessed(ended, message, line):
     page = page_of(lived(LIVED, not_passed(ended, message)))
     assert "No limit is exceeded within 5 million strokes, " in page.text
     assert "depth of A 25.0 µm of 50 µm" in page.text

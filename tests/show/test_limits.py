@@ -9,7 +9,7 @@ from made_up_result import made_up
 import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.show.limits import limit_lines, verdict_on
-from presswear.show.page import FirstScreen, LimitLine, render_page
+from presswear.show.page import LimitLine
 from presswear.show.report import render_report
 from presswear.show.warnings import warnings
 
@@ -24,7 +24,7 @@ from presswear.show.warnings import warnings
         (Estimate.symmetric(1.1, 0.5, 30), "above the limit"),
     ],
 )
-def test_a_verdict_is_a_word_and_a_colour(estimate: Estimate, word):
+def test_a_verdict_is_a_word_and_a_colour(estimate, word):
     assert verdict_on(estimate, 1.0).word == word
     assert verdict_on(estimate.scaled(3.0), 3.0) == verdict_on(estimate, 1.0)
 
@@ -56,20 +56,6 @@ def test_loads_of_bearings_stand_beside_their_limits():
     assert any(
         "pv_limit is not compared" in line for line in warnings(made_up(turned, 2))
     )
-
-
-def test_the_joint_closest_to_its_limit_is_named():
-    bearings = {
-        "A": pw.Bearing(pressure_limit=1e6),
-        "C": pw.Bearing(pressure_limit=1e9),
-    }
-    scene = replace(made.BOTH, bearings=bearings)
-    assert "at joint A (30 × 20 mm)" in lines_of(scene)["Pin pressure p"].number.meaning
-
-
-def test_a_page_without_limits_has_no_table_of_them():
-    assert 'class="limits' not in render_page("a title", FirstScreen())
-    assert 'class="limits' not in render_report(made_up(made.IDEAL, 1))
 
 
 def test_the_report_states_the_command_version_and_date():

@@ -28,9 +28,7 @@ LABELLED += [pw.Scene(CRANK, joints="AB"), pw.Scene(pw.SixBar(), joints="B")]
 
 
 @pytest.mark.parametrize("scene", LABELLED)
-def test_joints_and_bodies_of_a_mechanism_are_named_inside_the_axes(
-    scene: pw.Scene,
-):
+def test_joints_and_bodies_of_a_mechanism_are_named_inside_the_axes(scene):
     (axes,) = (sheet := labelled(scene).sheet).axes
     sheet.draw_without_rendering()
     linkage = scene.mechanism.linkage()

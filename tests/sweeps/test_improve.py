@@ -1,18 +1,16 @@
 """Which joint to improve first."""
 
 import math
-from typing import Any
 
 import pytest
+from refusals import refused
 
 import presswear as pw
 from presswear.recording.statistics import Estimate
 from presswear.sweeps.improve import (
     BOTTOM,
-    DROP,
     FORCE,
     LIFE,
-    REVERSE,
     TILT,
     Improvement,
     _effect,
@@ -20,7 +18,6 @@ from presswear.sweeps.improve import (
     improve,
 )
 from presswear.sweeps.improve_report import write_report
-from presswear.tools.errors import InputError
 from presswear.tools.numbers import large
 
 SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3}
@@ -38,12 +35,12 @@ def test_each_joint_is_changed_in_each_way():
     changes = changes_of(pw.scenes.wear_times(materials="304L-304L"))
     words = {change.rpartition(" ")[2] for change in changes if "materials" in change}
     assert words == {"paper", "316L-304L"}
-    with pytest.raises(InputError, match="no joint has clearance"):
+    with refused("no joint has clearance"):
         changes_of(pw.scenes.ideal())
 
 
 @pytest.fixture
-def sizes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def sizes_alone(monkeypatch):
     """Leave out other materials, each of which takes a run."""
     monkeypatch.setattr("presswear.sweeps.improve.MATERIALS", {})
 
@@ -64,51 +61,6 @@ def test_a_guide_is_improved(tmp_path):
     # Of 254 um/m, 250 are those of the clearance.
     assert factors[TILT][half] == pytest.approx(0.5, abs=0.05)
     assert found.heading(TILT).endswith("µm/m after 1\u202f000 strokes")
-
-
-@pytest.mark.usefixtures("sizes_alone")
-def test_speed_and_frame_of_a_press_are_followed(tmp_path):
-    press: dict[str, Any] = {
-        "crank_length": "40 mm",
-        "rod_length": "600 mm",
-        "crank_mass": "60 kg",
-        "rod_mass": "50 kg",
-        "slider_mass": "300 kg",
-        "gravity": 0.0,
-        "speed": "60 rpm",
-        "frame_mass": "600 kg",
-        "frame_stiffness": "0.5 GN/m",
-        "motor": pw.Motor(3.0, ratio=24, slip=0.08, inertia=0.041),
-    }
-    sheet: dict[str, Any] = {
-        "force": "100 kN",
-        "height": "5 mm",
-        "thickness": "3 mm",
-        "plateau": 0.4,
-        "rise": "0.2 mm",
-        "snap": "0.15 mm",
-    }
-    bearing: dict[str, Any] = {
-        "clearance": "0.05 mm",
-        "bearing_radius": "40 mm",
-        "width": "80 mm",
-    }
-    settings: dict[str, Any] = {
-        "cycles": 3,
-        "replicates": 1,
-        "cycles_per_update": 1e3,
-        "process": pw.Blanking(**sheet),
-        "bearings": {"B": pw.Bearing(**bearing)},
-    }
-    scene = pw.Scene(pw.SliderCrank(**press), engine="dae", **settings)
-    found = improve(scene, tmp_path, jobs=1)
-    assert {DROP, REVERSE} <= found.effects.keys()
-    assert found.present[DROP].startswith("1")
-    assert found.present[DROP].endswith("% after 1\u202f000 strokes")
-    # A pin changes neither by much.
-    for key in (DROP, REVERSE):
-        factors = [item.factor.mean for item in found.effects[key]]
-        assert factors == pytest.approx([1.0] * len(factors), abs=0.1)
 
 
 def test_factors_have_the_intervals_of_ratios():
@@ -143,28 +95,9 @@ def test_the_report_has_answers_factors_and_failed_runs(tmp_path):
     assert "Life: best is joint B, clearance times 0.5: 2.00 (1.98 to 2.02)" in page
     assert "<td>1.98 to 2.02</td><td>certainly worse</td>" in page
     assert "it &lt;i&gt;ended&lt;/i&gt;" in page
+    assert "no tried change improves it" in page
     assert f"presswear report {tmp_path}/as-it-is {tmp_path}/joint-B" in page
     assert (tmp_path / "figures" / "improve.svg").stat().st_size > 5000
-
-
-def test_sentences_name_the_best_certain_change():
-    one = Estimate.symmetric(1.0, 0.01)
-    two = Estimate.symmetric(2.0, 0.01)
-    found = Improvement(
-        {
-            LIFE: [_effect(CHANGE, LIFE, one, two)],
-            FORCE: [_effect(CHANGE, FORCE, one, one)],
-        },
-        {},
-    )
-    first, second, _ = found.sentences
-    assert first.startswith("life: best is joint B, clearance times 0.5: 2.00 (")
-    assert second == "peak force: no tried change improves it beyond its interval"
-    life, force = (axes.patches for axes in found.draw().sheet.axes)
-    bar: Any = life[0]
-    still: Any = force[0]
-    assert (bar.get_x(), bar.get_width()) == (1.0, pytest.approx(1.0))
-    assert (still.get_x(), still.get_width()) == (1.0, pytest.approx(0.0))
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,13 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from importlib.util import find_spec
-from multiprocessing import forkserver
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from python_process import python
+from refusals import refused
 
 import presswear as pw
 from presswear.sweeps import runner
@@ -84,20 +83,6 @@ def test_empty_and_damaged_rows_run_again(tmp_path):
     assert again.count == 3
 
 
-def test_a_row_that_another_part_has_claimed_is_left_alone(tmp_path):
-    class Claiming(Counting):
-        def submit(
-            self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any
-        ) -> Future[Any]:
-            (tmp_path / "rows" / "3.json").touch()
-            return super().submit(fn, *args, **kwargs)
-
-    executor = Claiming()
-    runner.run_rows(tmp_path, NAMES, REQUESTED, executor, 1)
-    assert executor.count == 3
-    assert (tmp_path / "rows" / "3.json").exists()
-
-
 def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path):
     def impossible() -> pw.Scene:
         raise InputError("no such linkage")
@@ -120,19 +105,8 @@ def test_a_failed_row_is_stored_and_a_failed_executor_is_not(tmp_path):
 
 
 def test_another_program_is_refused():
-    with pytest.raises(InputError, match="another program"):
+    with refused("another program"):
         runner.run_row(SCENE, REQUESTED, None, "this")
-
-
-@pytest.mark.skipif(
-    sys.platform != "linux", reason="only there is a server of forks used"
-)
-def test_modules_that_workers_share_exist():
-    with runner.ProcessExecutor(1):
-        # The server ignores a missing module without a message; every worker then
-        # imports the modules itself.
-        modules = vars(forkserver._forkserver)["_preload_modules"]
-        assert all(map(find_spec, modules))
 
 
 SWEEP = (

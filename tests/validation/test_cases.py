@@ -51,7 +51,6 @@ IN_TREE = {
     "rod as long as the crank",
 }
 TIGHT = reference_problems.TIGHT
-GRAVITY = reference_problems.GRAVITY
 
 
 def _marked(case: HardCase) -> object:
@@ -63,14 +62,14 @@ def _marked(case: HardCase) -> object:
 
 
 @pytest.mark.parametrize("case", REFERENCES, ids=[case.name for case in REFERENCES])
-def test_reference_is_met(case: cases.Case):
+def test_reference_is_met(case):
     results = list(cases.outcomes(case))
     assert results
     assert [f"{each.label} {each.check}" for each in results if not each.passed] == []
 
 
 @pytest.mark.parametrize("case", [_marked(case) for case in HARD])
-def test_case_is_within_its_bounds_or_refused(case: HardCase):
+def test_case_is_within_its_bounds_or_refused(case):
     results = list(outcomes(case))
     assert results
     assert [
@@ -97,19 +96,6 @@ def test_a_worse_engine_misses(monkeypatch):
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
     checks = hard_impacts.strikes(coarse, 8e-4, 0.25, 8e-4, 0.9)
     assert [check.passed for check in checks] == [False, False]
-
-
-def test_a_wrong_law_misses(monkeypatch):
-    monkeypatch.setattr(hard_impacts, "ONSET_SPEED_FLOOR", 2e-6)
-    assert not next(iter(hard_impacts.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
-    monkeypatch.setattr(
-        reference_problems, "FRICTION", pw.linkage.FrictionLaw(0.1001, 1e-4, 1e-3)
-    )
-    on_flat = reference_problems.block(
-        0.0, GRAVITY, pw.linkage.FrictionLaw(0.1, 1e-4, 1e-3), 0.0
-    )
-    monkeypatch.setattr(reference_problems, "on_incline", lambda *arguments: on_flat)
-    assert not next(iter(hard_impacts.creeps(TIGHT, 0.05))).passed
 
 
 def test_lost_energy_contacts_and_numbers_miss():
@@ -185,7 +171,7 @@ REFUSED = pw.InputError("c = 0 m: allowed is 1 to 2 m")
         (_case("c = 0 m"), "MISS"),
     ],
 )
-def test_verdicts(case: HardCase, verdict):
+def test_verdicts(case, verdict):
     assert [outcome.verdict for outcome in outcomes(case)] == [verdict]
 
 

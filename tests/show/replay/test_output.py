@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
+from refusals import refused
 from synthetic_clip import WithoutMemory, synthetic_clip
 
 import presswear as pw
@@ -37,11 +38,9 @@ def test_frames_are_the_nearest_in_time():
         (2 * k,) for k in range(50)
     ]
     assert CLIP.default_slow == pytest.approx(slow, rel=0.05)
-    with pytest.raises(
-        pw.InputError, match=r"title, first wear, goes from 0 s to 0\.571"
-    ):
+    with refused(r"title, first wear, goes from 0 s to 0\.571"):
         frames_at([CLIP], 2.0 * CLIP.period)
-    with pytest.raises(pw.InputError, match="at most 20000 are drawn"):
+    with refused("at most 20000 are drawn"):
         frames_between([CLIP], 0.0, CLIP.period, 1e5, 25.0)
 
 
@@ -80,7 +79,7 @@ def test_a_life_is_the_last_cycle_of_each_stage():
         engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined"
     )
     result = pw.run(scene, jobs=1)
-    with pytest.raises(pw.InputError, match="has no life"):
+    with refused("has no life"):
         life_clip(result)
     life = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
     result = replace(result, scene=replace(result.scene, life=Life()), life=life)
@@ -111,7 +110,7 @@ def test_a_life_is_the_last_cycle_of_each_stage():
         film, time=film.time[:9], position=film.position[:9], joints=film.joints[:9]
     )
     cut = replace(result.stages[1], read_film=lambda: half)
-    with pytest.raises(pw.InputError, match="its film has no whole cycle"):
+    with refused("its film has no whole cycle"):
         life_clip(replace(result, stages=(result.stages[0], cut)))
 
 

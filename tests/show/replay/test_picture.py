@@ -1,6 +1,5 @@
 """Pictures: positions, enlarged joints, forces and text in the data of the renderer."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,7 @@ LINKAGE = CLIP.linkage
 
 
 @pytest.fixture(scope="module")
-def picture() -> Iterator[Picture]:
+def picture():
     made = Picture([CLIP], (480, 320))
     yield made
     made.close()
@@ -44,7 +43,7 @@ def enlarged(radius: float) -> EnlargedJoint:
 
 
 @pytest.mark.parametrize("frame", [0, 17, FRAMES - 1])
-def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame):
+def test_bodies_are_drawn_at_their_stored_positions(picture, frame):
     """Each mass centre is moved to the origin, where single precision is fine enough."""
     offset = picture.layout.panels[0].offset
     stored = CLIP.film.position[[frame]]
@@ -62,7 +61,7 @@ def test_bodies_are_drawn_at_their_stored_positions(picture: Picture, frame):
             assert np.hypot(*(holes - joint).T).min() < 3e-8
 
 
-def test_an_enlarged_pin_has_the_stated_eccentricity(picture: Picture):
+def test_an_enlarged_pin_has_the_stated_eccentricity(picture):
     frame = 40
     panel = picture.layout.panels[0]
     picture.show([CLIP.snapshot(frame, frame)], 0.0, "")
@@ -109,24 +108,7 @@ def test_a_touching_pin_meets_the_worn_bearing():
     assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)
 
 
-def test_arrow_length_is_the_root_of_the_force():
-    view = enlarged(0.2)
-
-    def length(force: float) -> float:
-        row = np.array([force, 0.0, 1.0, 0.0, 0.0, force])
-        shapes = view.contact(np.array([view.joint.clearance, 0.0]), 0.0, row)
-        if not shapes:
-            return 0.0
-        return float(
-            max(s.points[:, 0].max() for s in shapes[1:]) - shapes[0].points[0, 0]
-        )
-
-    assert length(0.0) == 0.0
-    assert length(view.max_force) == pytest.approx(0.55 * view.radius)
-    assert length(0.25 * view.max_force) == pytest.approx(0.5 * length(view.max_force))
-
-
-def test_image_and_text(picture: Picture):
+def test_image_and_text(picture):
     state = CLIP.snapshot(20, 10)
     picture.show([state], 0.3, "slowed 18 times")
     normal, peak = (force_text(force) for force in (state.joints[0, 0], state.peaks[0]))
@@ -168,21 +150,6 @@ def test_two_clips_have_one_scale():
     # Equal halves except for text, wear and arrows.
     assert np.abs(image[40:280, :120] - image[40:280, 240:360]).max(axis=2).mean() < 2.0
     both.close()
-
-
-def test_only_the_joints_of_the_present_stage_are_visible():
-    new = pw.scenes.scene_named("wear-times").linkage()
-    clip = replace(
-        CLIP, chapters=(*CLIP.chapters, Chapter("after", new)), firsts=(0, FRAMES // 2)
-    )
-    picture = Picture([clip], (480, 320))
-    for frame, stage in ((5, "first wear"), (FRAMES - 1, "after")):
-        picture.show([clip.snapshot(frame, frame)], 0.5, "")
-        assert len(drawn(picture, 70)) == 2 * 3 * 360
-        assert bool(len(drawn(picture, 71))) == (stage == "first wear")
-        assert f"title, {stage}" in words(picture)
-        assert "t =" not in words(picture)
-    picture.close()
 
 
 def test_a_spring_is_drawn_between_its_ends():
