@@ -91,6 +91,7 @@ def test_cycles_end_at_whole_turns(engine: Engine, within):
     # At the bottom of a stroke the tip is on the left.
     bottom = (math.pi - ANGLE) / (2.0 * math.pi) + np.arange(3)
     assert recorder.each_cycle("bottom_time") == pytest.approx(bottom, abs=1e-7)
+    assert recorder.each_cycle("bottom_height") == pytest.approx(-TIP, abs=1e-9)
     speeds = SPEED + (first - SPEED) * np.exp(-ends / TIME)
     least = recorder.each_cycle("leader_speed_min")
     assert least == pytest.approx(speeds[:-1], abs=1e-4)

@@ -24,6 +24,7 @@ from presswear.scene.conventions import CONVENTIONS
 from presswear.scene.settings import changed
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
+from presswear.validation.cases import finished
 
 PRESS = wear_times()
 
@@ -171,8 +172,9 @@ def test_events_of_two_joints_in_one_step_are_taken_in_their_order():
     }
     scene = changed(speed_high(), {"engine": "dae", "integration_tolerance": "1e-5"})
     plan = Plan(scene.mechanism.period, 6, 1, torques=False)
-    run = scene.numerics.dae.simulate(scene.linkage(worn), start_of(scene), plan)
-    assert run.status == "completed", run.message
+    run = finished(
+        scene.numerics.dae.simulate(scene.linkage(worn), start_of(scene), plan)
+    )
     assert residual(run) < 1e-4
 
 
@@ -212,8 +214,7 @@ def test_a_parting_as_slow_as_round_off_is_located():
     )
     assert start is not None
     plan = Plan(scene.mechanism.period, 1, 1)
-    run = InHouse("dopri5", 1e-6).simulate(scene.linkage(), start, plan)
-    assert run.status == "completed", run.message
+    finished(InHouse("dopri5", 1e-6).simulate(scene.linkage(), start, plan))
 
 
 def test_a_resumed_run_searches_where_the_last_step_was_deepest():

@@ -9,11 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from runs import simulated, step_response
+from runs import energy_residual, simulated, step_response
 from upright_press import SHEET, UP, blanked, from_the_top, upright_press
 
 import presswear as pw
-from presswear.engines.base import Run, Start
+from presswear.engines.base import Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.statics import total_clearance
@@ -48,10 +48,6 @@ def press(
     return upright_press(frame=frame, crown=crown)
 
 
-def residual(run: Run) -> float:
-    return abs(float(run.diagnostics["energy_residual_J"]))
-
-
 @pytest.mark.parametrize("engine", ENGINES, ids=lambda engine: engine.word)
 def test_a_block_rings_along_its_guide(engine: Engine):
     along = np.array([math.cos(0.6), math.sin(0.6), 0.0])
@@ -62,7 +58,7 @@ def test_a_block_rings_along_its_guide(engine: Engine):
     error = 2e-4 if isinstance(engine, ExudynJoints) else 1e-8
     place = float(along @ (run.end.position - [0.3, 0.2, 0.0]))
     assert place == pytest.approx(exact, abs=error * 1e-3)
-    assert residual(run) < max(error, 1e-8) * 0.5 * STIFFNESS * 1e-6
+    assert energy_residual(run) < max(error, 1e-8) * 0.5 * STIFFNESS * 1e-6
 
 
 def test_fracture_on_an_elastic_frame():
@@ -81,7 +77,7 @@ def test_a_frame_of_112_hz_in_bodies_and_joints():
     )
     swing = 100e3 / 0.5e9
     assert abs(run.end.position[1] - exact.end.position[1]) < 5e-3 * swing
-    assert residual(run) < 0.02  # of 137 J of work
+    assert energy_residual(run) < 0.02  # of 137 J of work
     solver = str(run.diagnostics["solver"])
     assert solver.endswith(
         "no open tree, because drive of crank turns a body that is free to move"
@@ -98,7 +94,7 @@ def test_work_that_falls_faster_than_the_frame_is_stiff():
     )
     off = np.abs(fine.end.position - coarse.end.position)
     assert off.max() < 1e-9
-    assert residual(fine) < 1e-9
+    assert energy_residual(fine) < 1e-9
 
 
 def test_a_punch_that_turns_back_inside_the_work():

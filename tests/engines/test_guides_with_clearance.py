@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from marks import slow
+from runs import touches
 
 import presswear as pw
 from presswear.engines.base import Plan, Run, Start
@@ -18,6 +19,7 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.validation.cases import finished
 
 FINE = InHouse(integrator="dop853", integration_tolerance=1e-12)
 # Engines, and the tolerances of positions at the end, m and rad
@@ -64,9 +66,9 @@ def run_from_start(engine: Engine, linkage: Linkage, duration: float) -> Run:
     ideal = linkage.ideal
     motion = ideal_motion(ideal, ideal.period).at(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
-    run = engine.for_cycle(ideal.period).simulate(linkage, start, Plan(duration, 1))
-    assert run.status == "completed", run.message
-    return run
+    return finished(
+        engine.for_cycle(ideal.period).simulate(linkage, start, Plan(duration, 1))
+    )
 
 
 @pytest.mark.parametrize(
@@ -112,7 +114,7 @@ def test_energy_is_conserved_without_friction_and_damping():
     start = replace(rest, velocity=np.array([0.1, 0.0, 0.3]))
     run = FINE.for_cycle(0.1).simulate(linkage, start, Plan(1.2, 1))
     mass = np.array([MASS, MASS, linkage.bodies[0].inertia])
-    contacts = sum(len(run.recorder.stored_contacts(k)) for k in range(4))
+    contacts = touches(run)
     assert contacts > 200
     before = 0.5 * float(mass @ start.velocity**2)
     after = 0.5 * float(mass @ run.end.velocity**2)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from listeners import Keeps
+from runs import energy_residual
 from scipy.integrate import quad, solve_ivp
 
 from presswear.campaign.replicates import start_of
@@ -29,7 +30,7 @@ from presswear.scene.catalog import wear_times
 from presswear.tools.arrays import Array, State
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
-from presswear.validation.cases import order_of
+from presswear.validation.cases import finished, order_of
 
 UP = 0.5 * math.pi
 FREE = 0.01
@@ -77,11 +78,11 @@ def run(
         [math.cos(linkage.output.direction), math.sin(linkage.output.direction), 0.0]
     )
     start = Start(place * along, speed * along)
-    ran = engine.simulate(
-        linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1)
+    return finished(
+        engine.simulate(
+            linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1)
+        )
     )
-    assert ran.status == "completed", ran.message
-    return ran
 
 
 def along(ran: Run, linkage: Linkage) -> tuple[float, float]:
@@ -89,10 +90,6 @@ def along(ran: Run, linkage: Linkage) -> tuple[float, float]:
     direction = linkage.output.direction
     unit = np.array([math.cos(direction), math.sin(direction), 0.0])
     return float(ran.end.position @ unit), float(ran.end.velocity @ unit)
-
-
-def residual(ran: Run) -> float:
-    return abs(float(ran.diagnostics["energy_residual_J"]))
 
 
 @EVERY
@@ -117,7 +114,7 @@ def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
     assert found == pytest.approx((place, speed), abs=within)
     work = float(ran.diagnostics["load_work_J"])
     assert work == pytest.approx(0.5 * speed**2 - 0.5, abs=within)
-    assert residual(ran) < max(1e-12, within)
+    assert energy_residual(ran) < max(1e-12, within)
 
 
 FREQUENCY = 7.0
@@ -204,7 +201,7 @@ def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within):
     assert float(ran.diagnostics["load_work_J"]) == pytest.approx(
         -taken, abs=40.0 * within
     )
-    assert residual(ran) < max(1e-12, 40.0 * within)
+    assert energy_residual(ran) < max(1e-12, 40.0 * within)
 
 
 @EVERY
@@ -311,8 +308,9 @@ def test_a_load_on_a_crank_that_is_left_out_is_its_drives():
     works = []
     for engine in (ExudynJoints(50, 10, free_step=1e-5), InHouse()):
         for own in (linkage, loaded):
-            ran = engine.simulate(own, start, Plan(0.005, 1, recorded_cycles=1))
-            assert ran.status == "completed", ran.message
+            ran = finished(
+                engine.simulate(own, start, Plan(0.005, 1, recorded_cycles=1))
+            )
             works.append(
                 [float(ran.diagnostics[f"{name}_work_J"]) for name in ("drive", "load")]
             )

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from marks import slow
+from runs import energy_residual
 from upright_press import SHEET, blanked, from_the_top, upright_press
 
 import presswear as pw
@@ -18,6 +19,7 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.load_laws import OverPosition
 from presswear.tools.arrays import Array
+from presswear.validation.cases import finished
 
 TURN = 2.0 * math.pi
 ENGINES: list[Engine] = [
@@ -63,8 +65,7 @@ def turned(
     position[:, 0] = range(len(speeds))
     velocity[:, 2] = speeds
     start = Start(position.ravel(), velocity.ravel())
-    run = engine.for_cycle(turns).simulate(linkage, start, Plan(turns, 1))
-    assert run.status == "completed", run.message
+    run = finished(engine.for_cycle(turns).simulate(linkage, start, Plan(turns, 1)))
     return run.end.position[2::3], run.end.velocity[2::3], run
 
 
@@ -163,7 +164,7 @@ def test_a_user_law_of_a_torque(engine: Engine):
     _, (speed,), run = turned(engine, cranks(pw.Motor(law=brake)), 0.1, TURN)
     exact = TURN * (1.0 - 0.1 * 2.0 / 0.5)
     assert speed == pytest.approx(exact, rel=within(engine))
-    assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-3
+    assert energy_residual(run) < 1e-3
 
 
 def pressed(engine: Engine, turns: float, motor: pw.Motor | None = LINE) -> Run:
@@ -190,7 +191,7 @@ def test_a_press_with_a_flywheel(engine: Engine):
     turn = pressed(engine, 1.0)
     assert turn.time == pytest.approx(1.0020207682972, rel=within(engine))
     assert float(turn.diagnostics["load_work_J"]) == pytest.approx(-137.5, rel=1e-8)
-    assert abs(float(turn.diagnostics["energy_residual_J"])) < 10.0 * within(engine)
+    assert energy_residual(turn) < 10.0 * within(engine)
 
 
 def test_a_press_starts_at_its_settled_speed():

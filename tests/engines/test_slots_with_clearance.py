@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from marks import slow, slow_in
-from runs import compare_engines, momenta, residual, run_scene, simulated
+from runs import compare_engines, momenta, residual, run_scene, simulated, touches
 from scipy.integrate import solve_ivp
 from slotted import (
     scotch_yoke,
@@ -32,7 +32,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import corner_acceleration
 from presswear.physics.packed import pack
-from presswear.physics.wall_wear import bin_centres_of, wall_volume, walls_of
+from presswear.physics.wall_wear import bin_centres_of
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records
 
@@ -85,9 +85,9 @@ def test_engines_agree_and_keep_the_energy(name):
     scene = scene_of(name, friction=0.05, restitution=0.8)
     finer = ExudynJoints(steps_per_contact=200, free_steps=20_000)
     *runs, _ = compare_engines(scene, 0.02, finer, joints=(1e-5, 1e-6, 3e-5))
-    touches = [[len(run.recorder.stored_contacts(k)) for k in range(4)] for run in runs]
-    assert sum(touches[0]) > 8
-    assert all(counts == touches[0] for counts in touches)
+    counts = [[len(run.recorder.stored_contacts(k)) for k in range(4)] for run in runs]
+    assert sum(counts[0]) > 8
+    assert all(each == counts[0] for each in counts)
 
 
 def on_disc(direction: float = 0.0, **bearing: Any) -> Linkage:
@@ -160,29 +160,6 @@ def test_a_block_in_a_slot_that_turns_evenly(engine: Engine, within):
     assert abs(tilt) < within
 
 
-@TURNING
-def test_a_wall_that_turns_wears_where_the_block_presses(engine: Engine, within):
-    """V = K_d m (W r)^2 (sinh 2 p - 2 p) / 2 after the angle p, over the way of both corners."""
-    linkage, run = turning_evenly(engine)
-    left, right = walls_of(linkage, run.recorder.maps.sampled)["slot"]
-    assert not left.any()
-    phase = TURN * DURATION
-    load_distance = (
-        0.5 * MASS * (TURN * FIRST) ** 2 * (math.sinh(2.0 * phase) - 2.0 * phase)
-    )
-    load_distance += MASS * TURN**2 * C * FIRST * (math.cosh(phase) - 1.0)
-    volume = wall_volume(linkage.corners[0], right)
-    assert volume == pytest.approx(WALL.coefficient * load_distance, rel=1e-4)
-    place = bin_centres_of(WALL)
-    last = FIRST * math.cosh(phase)
-    half = 0.6 * WALL.bin_length
-    is_passed = np.zeros(place.size, dtype=bool)
-    for end in (0.5 * L, -0.5 * L):
-        is_passed |= (place > FIRST + end - half) & (place < last + end + half)
-    assert right[is_passed].all()
-    assert not right[~is_passed].any()
-
-
 def relative_rates(_: float, state: Array) -> Array:
     """Return the rates of place and tilt of the block in the frame of the disc."""
     x, y, tilt, vx, vy, spin = state
@@ -211,9 +188,9 @@ def test_walls_that_turn_are_those_of_a_turning_frame(engine: Engine, within):
     duration = 0.02
     start = from_disc(linkage, place, rates, 0.7)
     run = simulated(engine, linkage, start, duration)
-    touches = [len(run.recorder.stored_contacts(k)) for k in range(4)]
-    assert sum(touches) > 8
-    assert min(touches[0] + touches[1], touches[2] + touches[3]) > 1
+    counts = [len(run.recorder.stored_contacts(k)) for k in range(4)]
+    assert sum(counts) > 8
+    assert min(counts[0] + counts[1], counts[2] + counts[3]) > 1
     exact = solve_ivp(
         relative_rates,
         (0.0, duration),
@@ -248,57 +225,11 @@ def test_both_bodies_together_keep_their_momentum(engine: Engine, within):
         np.array([0.1, -0.2, 3.0, -0.4, 0.3, -2.0]),
     )
     run = simulated(engine, linkage, start, 0.02)
-    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 5
+    assert touches(run) > 5
     before, after = (momenta(linkage, state) for state in (start, run.end))
     change = np.abs(run.end.velocity - start.velocity)
     assert change.min() > 1e-3
     assert after == pytest.approx(before, abs=10.0 * within)
-
-
-def push(time: float) -> float:
-    """Force on the block, N."""
-    return -1e5
-
-
-def test_corner_forces_on_a_turned_body():
-    """The closed form of a guide on the frame, on a body that is turned by 0.6 rad.
-
-    A force of 100 kN, 60 mm beside the middle, is held by a spring of the body.
-    """
-    angle = 0.6
-    length, width, clearance = 0.4, 0.3, 0.05e-3
-    linkage = pw.assemble(
-        [
-            pw.Body("disc", 1.0, HEAVY, points={"foot": (0.0, -1.0)}),
-            pw.Body("slide", 300.0, points={"beside": (0.06, 0.0)}, inertia=6.25),
-        ],
-        [
-            pw.Pin("O", (0.0, 0.0), "disc"),
-            pw.Guide("guide", "slide", direction=0.5 * math.pi, on="disc"),
-        ],
-        output="slide",
-        gravity=0.0,
-        cycle=0.1,
-        springs=[pw.Spring("rod", "disc.foot", "slide", 1e9, damping=1e6, length=1.0)],
-        loads=[pw.Force("slide.beside", 0.5 * math.pi + angle, push)],
-    )
-    play = pw.Bearing(
-        clearance=clearance,
-        contact_stiffness=5e11,
-        normal_law="kelvin-voigt",
-        viscous_damping=1e7,
-        friction=0.0,
-    )
-    sizes = sized(linkage, "guide", length, width)
-    linkage = pw.Scene(sizes, bearings={"guide": play}).linkage()
-    start = Start(np.array([0.0, 0.0, angle, 0.0, 0.0, angle]), np.zeros(6))
-    run = simulated(InHouse(integration_tolerance=1e-9), linkage, start, 0.3)
-    tilt = abs(in_disc(run)[2])
-    assert tilt == pytest.approx(2.983078e-4, rel=5e-5)
-    lever = length * math.cos(tilt) - width * math.sin(tilt)
-    forces = sorted(run.recorder.records.contacts["normal"])
-    assert forces[:2] == [0.0, 0.0]
-    assert forces[2:] == pytest.approx([6e3 * math.cos(tilt) / lever] * 2, rel=1e-6)
 
 
 @pytest.mark.parametrize("clearance", [1e-5, 1e-7])
@@ -308,7 +239,7 @@ def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
     scene = scene_of(name, clearance=clearance, restitution=0.1, contact_stiffness=1e10)
     duration = 0.4 * scene.mechanism.period
     run = run_scene(scene, InHouse(), duration)
-    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 4
+    assert touches(run) > 4
     ideal = scene.ideal.at(np.array([duration])).position[0]
     off = np.abs(run.end.position - ideal).reshape(-1, 3)
     forces = run.recorder.records.contacts["normal"]
@@ -321,7 +252,7 @@ def test_a_slot_with_a_vanishing_clearance_is_ideal(name, clearance):
 def test_no_energy_is_lost_without_friction_and_damping(name):
     scene = scene_of(name, friction=0.0, restitution=1.0)
     run = run_scene(scene, FINE, 0.5 * scene.mechanism.period)
-    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 40
+    assert touches(run) > 40
     assert residual(run) < 1e-9
     assert float(run.diagnostics["contact_loss_J"]) == 0.0
 
@@ -349,7 +280,7 @@ def test_worn_walls_that_move_create_no_energy(engine: Engine, within):
     waves = np.cos(2.0 * math.pi * bin_centres_of(wall) / 0.02)
     worn = {"slot": (Surface(5e-6 * (1.0 + waves)), Surface(5e-6 * (1.0 - waves)))}
     run = run_scene(scene, engine, 0.05, linkage=scene.linkage(worn))
-    assert sum(len(run.recorder.stored_contacts(k)) for k in range(4)) > 8
+    assert touches(run) > 8
     assert residual(run) < within
 
 

@@ -22,8 +22,6 @@ from presswear.linkage.wear_law import WearLaw
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.curve_following import motion_of
-from presswear.physics.equations import body_forces
-from presswear.physics.equations.body_forces import BodyForces
 from presswear.physics.equations.function import END, function_of, model_of
 from presswear.physics.equations.layout import WEAR_INTEGRAL_COUNT
 from presswear.physics.equations.writer import Equations, write_equations
@@ -307,25 +305,6 @@ def test_equations_agree_with_multipliers(name, seed):
         close(energy, reference)
     for field in CONTACT.names or ():
         close(subject.model.contact_records[field], found.contacts[field])
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_forces_on_all_bodies_agree_with_vectors(name, monkeypatch):
-    monkeypatch.setattr(body_forces, "function_of", lambda x: function_of(x).py_func)
-    subject = subject_of(name)
-    close = partial(near, relative=WITHIN.get(name, 1e-11))
-    subject.run()
-    q, v, *_ = subject.model.bodies
-    forces = BodyForces(subject.linkage, subject.packed, subject.onset)
-    forces.states[:] = subject.states
-    found = Forces(subject.linkage, subject.packed, TIME, q, v).all(
-        subject.onset, subject.states
-    )
-    close(forces(TIME, q, v) + subject.packed.weight, found.force)
-    for energy, reference in zip(forces.energies[2:], found.energies, strict=True):
-        close(energy, reference)
-    for field in CONTACT.names or ():
-        close(forces.contacts[field], found.contacts[field])
 
 
 def test_a_penetration_whose_force_rounds_to_zero_bears_nothing(

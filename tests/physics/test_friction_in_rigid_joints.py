@@ -95,38 +95,6 @@ def test_bristles_are_those_of_steady_sliding():
     )
 
 
-@pytest.mark.parametrize("coefficient", [0.01, 0.1, 0.3])
-def test_the_drive_pays_for_the_friction_at_every_instant(coefficient):
-    """Extra power is the sum of mu F r times the relative spins, F the forces with friction."""
-    linkage = slider_crank()
-    law = FrictionLaw(coefficient)
-    motion = motion_of(linkage)
-    joints = bushings(linkage, "OABCDE", law)
-    assert len(joints) == len(linkage.revolutes) == 3
-    time = np.linspace(0.0, linkage.period, 400)
-    held = constraint_forces(linkage, motion, time)
-    rubbed = constraint_forces(linkage, motion, time, joints)
-    velocity = motion.at(time).velocity
-    heat = np.zeros(time.size)
-    for k, joint in enumerate(linkage.revolutes):
-        first, second = (
-            velocity[:, 3 * linkage.index(end.body) + 2] if end.body != "frame" else 0.0
-            for end in (joint.first, joint.second)
-        )
-        spin = np.abs(second - first)
-        ramp = np.clip((RADIUS * spin - law.lower) / (law.upper - law.lower), 0.0, 1.0)
-        force = np.hypot(rubbed[:, 2 * k], rubbed[:, 2 * k + 1])
-        heat += coefficient * ramp * force * RADIUS * spin
-    speed = linkage.drives[0].speed
-    extra = (rubbed[:, -1] - held[:, -1]) * speed
-    np.testing.assert_allclose(extra, heat, rtol=1e-9, atol=1e-9 * heat.max())
-    # Friction changes the joint forces too.
-    assert (
-        np.abs(rubbed[:, :6] - held[:, :6]).max()
-        > 1e-3 * coefficient * np.abs(held).max()
-    )
-
-
 def test_friction_that_blocks_the_motion_is_said():
     """A bearing as large as the crank, with a coefficient above one."""
     linkage = slider_crank()

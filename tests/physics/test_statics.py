@@ -25,6 +25,7 @@ from presswear.physics.statics import (
 )
 from presswear.scene.conventions import CONVENTIONS
 from presswear.tools.arrays import Array
+from presswear.validation.cases import finished
 
 LIGHT = pw.Scene(
     pw.SliderCrank(slide_angle=0.0, gravity=0.0),
@@ -131,8 +132,9 @@ def test_engine_that_starts_at_rest_stays_there(conventions, force):
     linkage = scene.linkage()
     result = equilibrium(linkage, 0.0)
     start = Start(result.position, np.zeros(9))
-    run = scene.solver.for_cycle(0.005).simulate(linkage, start, Plan(0.005, 1))
-    assert run.status == "completed"
+    run = finished(
+        scene.solver.for_cycle(0.005).simulate(linkage, start, Plan(0.005, 1))
+    )
     assert np.abs(run.end.velocity).max() < 1e-8
     assert np.abs(run.recorder.series("velocity")).max() < 1e-8
     np.testing.assert_allclose(result.position, run.end.position, rtol=0.0, atol=1e-11)

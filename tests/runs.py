@@ -21,6 +21,7 @@ from presswear.physics.equations.writer import write_body_forces
 from presswear.physics.packed import mass_of, pack
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
+from presswear.validation.cases import finished
 
 
 def run_scene(
@@ -32,27 +33,36 @@ def run_scene(
 ) -> Run:
     """Run a scene, by default for a cycle and on its own linkage, to the end."""
     period = scene.mechanism.period
-    run = engine.for_cycle(period).simulate(
-        linkage or scene.linkage(), start_of(scene), Plan(duration or period, 1, **plan)
+    return finished(
+        engine.for_cycle(period).simulate(
+            linkage or scene.linkage(),
+            start_of(scene),
+            Plan(duration or period, 1, **plan),
+        )
     )
-    assert run.status == "completed", run.message
-    return run
 
 
 def simulated(engine: Engine, linkage: Linkage, start: Start, duration: float) -> Run:
     """Run a linkage from a start for a duration, s, in one cycle, to the end."""
-    run = engine.for_cycle(duration).simulate(linkage, start, Plan(duration, 1))
-    assert run.status == "completed", run.message
-    return run
+    return finished(
+        engine.for_cycle(duration).simulate(linkage, start, Plan(duration, 1))
+    )
+
+
+def energy_residual(run: Run) -> float:
+    """Return the residual of the energy balance, J."""
+    return abs(float(run.diagnostics["energy_residual_J"]))
 
 
 def residual(run: Run) -> float:
-    """Residual of the energy balance over what the drives exchanged."""
-    missing, exchanged = (
-        float(run.diagnostics[f"{name}_J"])
-        for name in ("energy_residual", "drive_exchange")
-    )
-    return abs(missing) / exchanged
+    """Return the residual of the energy balance over what the drives exchanged."""
+    return energy_residual(run) / float(run.diagnostics["drive_exchange_J"])
+
+
+def touches(run: Run) -> int:
+    """Return the number of recorded contacts of all joints."""
+    joints = len(run.recorder.records.memory)
+    return sum(len(run.recorder.stored_contacts(k)) for k in range(joints))
 
 
 def compare_engines(
