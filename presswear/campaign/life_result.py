@@ -1,6 +1,7 @@
 """Service life as results store it."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,9 @@ from presswear.results.life import Ended, LifeResult, LimitResult, RefinementRes
 from presswear.scene.options import Limit
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import large
+from presswear.tools.numbers import large, percent
+
+STEADY_RATE = 0.03  # change of a wear rate, relative, that its scatter may explain
 
 
 def preliminary_life(
@@ -41,7 +44,8 @@ def life_by_rate(
     None if that block begins a service interval, or if no limited quantity of the surfaces
     grows.
     """
-    before, last = refinements[-1].blocks[-2:]
+    blocks = refinements[-1].blocks
+    before, last = blocks[-2:]
     life = life_result(scene, problem, refinements)
     limits = []
     for limit, limit_result in zip(problem.limits, life.limits, strict=True):
@@ -51,14 +55,43 @@ def life_by_rate(
     first = min(reached, default=math.inf)
     if first > problem.at_most:
         return None
+    key = next(limit.key for limit in limits if limit.strokes == first)
+    message = f"by the wear rate after {large(last.strokes, digits=2)} strokes, "
+    message += f"{_change_of_rate(blocks, key)}; refinement {len(refinements)} runs"
     return replace(
         life,
         ended="preliminary",
-        message=f"by the wear rate after {large(last.strokes, digits=2)} strokes, with an unknown "
-        f"error; refinement {len(refinements)} runs",
+        message=message,
         strokes=first,
         limits=tuple(limits),
     )
+
+
+def _change_of_rate(blocks: Sequence[LoadBlock], key: str) -> str:
+    """Return in words how the rate of a quantity has changed, and what it says about a life.
+
+    Worn surfaces conform, so that most wear rates fall. A life by an early rate is then
+    too short: a four-bar linkage lost 1.17 um in 10^6 strokes when new and 0.58 um after
+    33 million strokes.
+    """
+    since = [block for block in blocks if block.interval == blocks[-1].interval]
+    first = _rate_of(since[0], since[1], key)
+    last = _rate_of(since[-2], since[-1], key)
+    if len(since) == 2 or first <= 0.0:
+        return "which mostly falls as surfaces run in: the life is then longer"
+    change = last / first - 1.0
+    if abs(change) < STEADY_RATE:
+        return "which has not changed yet, with an unknown error"
+    size = percent(abs(change), 2)
+    if change < 0.0:
+        return f"{size} lower than at first: while this rate falls, the life is longer"
+    return f"{size} higher than at first: while this rate rises, the life is shorter"
+
+
+def _rate_of(before: LoadBlock, after: LoadBlock, key: str) -> float:
+    """Return the growth of the mean of a quantity per stroke between two blocks."""
+    growth = float(after.levels[key].mean()) - float(before.levels[key].mean())
+    return growth / (after.strokes - before.strokes)
 
 
 def _strokes_by_rate(limit: Limit, before: LoadBlock, last: LoadBlock) -> float | None:

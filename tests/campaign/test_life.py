@@ -102,10 +102,34 @@ def test_the_life_by_the_last_rate_is_a_straight_line():
     assert life.strokes == life.limits[0].strokes == pytest.approx(expected)
     assert life.error is None
     assert "by the wear rate after 200\u202f000 strokes" in f"{life}"
+    assert "which mostly falls as surfaces run in: the life is then longer" in f"{life}"
     early = problem(DEPTH, at_most=0.5 * expected)
     assert life_by_rate(scene, early, refinements) is None
     still = [Refinement(5e-3, 8, (blocks[1], replace(blocks[1], strokes=3e5)))]
     assert life_by_rate(scene, problem(DEPTH), still) is None
+
+
+@pytest.mark.parametrize(
+    ("depth", "words"),
+    [
+        (4e-6, "50 % lower than at first: while this rate falls, the life is longer"),
+        (
+            6.5e-6,
+            "75 % higher than at first: while this rate rises, the life is shorter",
+        ),
+        (
+            5.01e-6,
+            "which has not changed yet, with an unknown error; refinement 1 runs",
+        ),
+    ],
+)
+def test_a_life_by_a_rate_states_how_the_rate_has_changed(depth, words):
+    """Depths of 1, 3 and 5 um would be a steady rate."""
+    scene = scene_of()
+    levels = [{"A.depth": np.full(8, value)} for value in (1e-6, 3e-6, depth)]
+    blocks = [load_block(1e5 * (k + 1), 8, levels[k], 2e-11) for k in range(3)]
+    refinements = [Refinement(5e-3, 8, tuple(blocks))]
+    assert words in f"{life_by_rate(scene, problem(DEPTH), refinements)}"
 
 
 @pytest.mark.parametrize(("number", "reports"), [(1, 3), (2, 30)])
