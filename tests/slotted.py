@@ -2,16 +2,21 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, GearedDrive, LinearDrive
 from presswear.linkage.joints import Guide, Pin, Revolute
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.motor import Motor
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
 
 SPEED = 10.0 * math.pi  # of the crank, rad/s
 RADIUS, HEIGHT = 0.1, 0.3  # of the crank and of its pivot above that of the rocker, m
 YOKE_MASS = 2.0
+BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
+loose_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 def sized(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -19,6 +18,7 @@ from slotted import (
     STROKE,
     boom,
     boom_press,
+    loose_scene,
     slider_crank_with_sleeve,
     table,
 )
@@ -31,15 +31,11 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.ideal import Motion, ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
-from presswear.scene.bearing import Bearing
-from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError
 
-BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 DURATION = 0.014  # s, with some touchdowns
 FINE = ExudynJoints(steps_per_contact=320)
-_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 def _motion_of(linkage: Linkage) -> tuple[Motion, Array]:
@@ -98,12 +94,12 @@ def test_force_has_the_power_of_the_motion(make: Callable[..., Linkage], is_reve
 )
 def test_engines_agree_and_keep_the_energy(joints, is_reversed):
     """Joints with clearance free the cylinder, the link, or no body."""
-    compare_engines(_scene(boom_press(is_reversed), joints=joints), DURATION, FINE)
+    compare_engines(loose_scene(boom_press(is_reversed), joints=joints), DURATION, FINE)
 
 
 def test_engines_agree_on_a_table():
     """A guide on a guide, without a closed loop, moves the pin of a driven arm."""
-    compare_engines(_scene(table(), joints="E"), DURATION, FINE)
+    compare_engines(loose_scene(table(), joints="E"), DURATION, FINE)
 
 
 def test_a_sleeve_driven_along_a_rod_is_prescribed():
@@ -116,7 +112,7 @@ def test_a_sleeve_driven_along_a_rod_is_prescribed():
     distance = np.hypot(*(position[:, 1, :2] - position[:, 3, :2]).T)
     expected = np.abs(0.05 + 0.03 * np.sin(SPEED * time))
     assert_allclose(distance, expected, atol=1e-14)
-    compare_engines(_scene(linkage, joints="E"), DURATION, FINE)
+    compare_engines(loose_scene(linkage, joints="E"), DURATION, FINE)
 
 
 def test_cylinder_at_rest_is_a_strut():
@@ -129,7 +125,7 @@ def test_cylinder_at_rest_is_a_strut():
         joints=[*linkage.joints, pw.Pin("W", (2.0, 0.0), "wheel")],
         drives=[strut, Drive("wheel", SPEED)],
     )
-    scene = _scene(linkage, joints="A")
+    scene = loose_scene(linkage, joints="A")
     run = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
     assert abs(float(run.diagnostics["drive_work_J"])) < 1e-9
     barrel, piston, *others = linkage.bodies

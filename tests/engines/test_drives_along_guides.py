@@ -1,14 +1,13 @@
 """Drives along a guide: closed forms, energy, all engines, units of results, and messages."""
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
 from closed_form import needed_power
 from numpy.testing import assert_allclose
 from runs import compare_engines
-from slotted import SPEED, cylinder
+from slotted import SPEED, cylinder, loose_scene
 
 import presswear as pw
 from presswear.linkage.bodies import Body
@@ -18,14 +17,10 @@ from presswear.linkage.linkage import Linkage, assemble
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of, unit_of
-from presswear.scene.bearing import Bearing
-from presswear.scene.scene import Scene
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError
 
-BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 DURATION = 0.006  # s, some touchdowns
-_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 def lift(direction: float) -> Linkage:
@@ -72,11 +67,11 @@ def test_force_has_the_power_of_the_motion():
 @pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
 def test_engines_agree_and_keep_the_energy(joints):
     """The piston alone is prescribed, or with its loop, or all bodies are."""
-    compare_engines(_scene(cylinder(), joints=joints), DURATION)
+    compare_engines(loose_scene(cylinder(), joints=joints), DURATION)
 
 
 def test_results_have_the_units_of_a_force(tmp_path):
-    scene = _scene(cylinder(), joints="C", cycles=2, replicates=1)
+    scene = loose_scene(cylinder(), joints="C", cycles=2, replicates=1)
     scene = pw.changed(scene, {"drive_torque": "on", "engine": "dae"})
     result = pw.run(scene, tmp_path / "result")
     table = table_of(result, 0)

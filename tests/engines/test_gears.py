@@ -1,14 +1,13 @@
 """Gears between two cranks: closed forms, energy, all engines, results, and messages."""
 
 import math
-from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from runs import compare_engines
-from slotted import cylinder, geared_five_bar
+from slotted import cylinder, geared_five_bar, loose_scene
 
 import presswear as pw
 from presswear.engines.base import Start
@@ -22,8 +21,6 @@ from presswear.linkage.topology import branches_of
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.drives import drives_of
-from presswear.scene.bearing import Bearing
-from presswear.scene.scene import Scene
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError
 
@@ -32,10 +29,8 @@ SECOND = 0.2  # inertia of the second wheel, kg m^2
 RATIO = -2.0
 REFLECTED = FIRST + RATIO**2 * SECOND  # inertia of both on the first wheel, kg m^2
 NOMINAL = 20.0  # rad/s
-BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 DURATION = 0.006  # s, some touchdowns
 MOTOR = Motor(20.0, slip=0.1, inertia=0.1)
-_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 def wheels(drive: Drive) -> Linkage:
@@ -95,18 +90,18 @@ def test_a_motor_speeds_up_both_wheels(engine: Engine):
     [(None, "E"), (None, "O1"), (MOTOR, "C")],
 )
 def test_engines_agree_and_keep_the_energy(motor: Motor | None, joints):
-    scene = _scene(geared_five_bar(motor=motor), joints=joints)
+    scene = loose_scene(geared_five_bar(motor=motor), joints=joints)
     compare_engines(scene, DURATION, energy=1e-8, joints=(3e-6, 3e-5, 3e-5))
 
 
 def test_free_gears_are_no_tree():
-    linkage = _scene(geared_five_bar(motor=MOTOR), joints="E").linkage()
+    linkage = loose_scene(geared_five_bar(motor=MOTOR), joints="E").linkage()
     assert branches_of(linkage) == "gears couple driver and follower"
 
 
 def test_gears_give_no_power(tmp_path):
     """The power of both cranks is that of the motor."""
-    scene = _scene(
+    scene = loose_scene(
         geared_five_bar(motor=Motor(60.0, slip=0.1, inertia=0.5)),
         joints="E",
         engine="dae",

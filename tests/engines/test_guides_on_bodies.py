@@ -1,11 +1,10 @@
 """Guides on moving bodies in all engines; the open tree is in ``test_linkages``."""
 
-from functools import partial
-
 import pytest
 from marks import slow_in
 from runs import compare_engines, run_scene
 from slotted import (
+    loose_scene,
     scotch_yoke,
     shaper,
     skew_quick_return,
@@ -14,11 +13,8 @@ from slotted import (
 )
 
 from presswear.engines.settings import ExudynJoints, ExudynTree
-from presswear.scene.bearing import Bearing
-from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
-BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 SCENES = {
     "Scotch yoke": (scotch_yoke(), "A"),
     "swinging block": (swinging_block(), "A"),
@@ -29,7 +25,6 @@ SCENES = {
 # Other linkages have the loose pin of a block, also in test_linkages.
 SLOW = ("swinging block", "quick return, loose crank")
 DURATION = 0.01  # s, some touchdowns
-_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 
 @pytest.mark.parametrize(
@@ -38,16 +33,16 @@ _scene = partial(Scene, bearings=BEARING, wear_updates=0)
 )
 def test_engines_agree_and_keep_the_energy(name):
     mechanism, joints = SCENES[name]
-    scene = _scene(mechanism.changed(gravity=9.81), joints=joints)
+    scene = loose_scene(mechanism.changed(gravity=9.81), joints=joints)
     compare_engines(scene, DURATION, joints=(1e-6, 1e-5, 3e-4))
 
 
 def test_a_slot_on_a_driven_body_is_explained():
-    scene = _scene(slotted_crank(), joints="A", engine="exudyn-tree")
+    scene = loose_scene(slotted_crank(), joints="A", engine="exudyn-tree")
     with pytest.raises(
         InputError, match="slot is on crank, whose motion drives prescribe"
     ):
         run_scene(scene, ExudynTree(), DURATION)
     assert isinstance(
-        _scene(slotted_crank(), joints="A", engine="exudyn").solver, ExudynJoints
+        loose_scene(slotted_crank(), joints="A", engine="exudyn").solver, ExudynJoints
     )

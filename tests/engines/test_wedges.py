@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 from runs import residual, run_scene
-from slotted import SPEED
+from slotted import SPEED, loose_scene
 
-import presswear as pw
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, LinearDrive
@@ -17,16 +15,12 @@ from presswear.linkage.joints import Guide, Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import needed_torques
-from presswear.scene.bearing import Bearing
-from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 SLOPE = 0.3  # of the face of the wedge, rad
 WEDGE, SLIDE = 4.0, 9.0  # masses, kg
 STROKE = 0.05  # amplitude of the wedge, m
-BEARING = Bearing(clearance=0.5e-3, friction=0.05, bearing_radius=0.02)
 DURATION = 0.014  # s, some touchdowns
-_scene = partial(Scene, bearings=BEARING, wear_updates=0)
 
 BODIES = [Body("wedge", WEDGE), Body("slide", SLIDE)]
 GUIDES = [
@@ -91,7 +85,7 @@ def test_wedge_lifts_its_slide():
     ids=lambda value: value if isinstance(value, str) else value.name,
 )
 def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints):
-    scene = _scene(linkage, joints=joints)
+    scene = loose_scene(linkage, joints=joints)
     ours = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
     joined = run_scene(scene, ExudynJoints(steps_per_contact=320), DURATION)
     assert np.abs(joined.end.position - ours.end.position).max() < 3e-6
@@ -122,4 +116,4 @@ def test_clearance_in_a_loop_of_guides_is_refused():
     linkage = wedge()
     joints = [GUIDES[0], upright, GUIDES[2], *linkage.revolutes]
     with pytest.raises(InputError, match="bearings of upright: guides alone close"):
-        pw.Scene(linkage.changed(joints=joints), joints="upright", bearings=BEARING)
+        loose_scene(linkage.changed(joints=joints), joints="upright")
