@@ -25,7 +25,7 @@ def motion_numbers(scene: Scene, stage: StageResult) -> list[KeyNumber]:
     """Return the stroke and the strokes a minute, those that a motor reaches if there is one."""
     result = []
     if bottom_of(scene.ideal) is not None:
-        text = f"Of {scene.output}, without clearance."
+        text = f"Of {scene.output} from end to end, without clearance."
         result.append(exact("Stroke", scene.stroke, "m", text))
     rate = 60.0 / scene.mechanism.period
     nominal = numbers.readable(rate)
