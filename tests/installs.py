@@ -147,7 +147,7 @@ def main() -> int:
     pythons = arguments.pythons or list(filter(shutil.which, PYTHONS))
     # The lowest versions that pyproject.toml allows, each with its newest fixes.
     needed = (*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["test"])
-    lowest = [re.sub(r">=(.*)", r"==\1.*", one) for one in needed]
+    lowest = [re.sub(r">=(.*)", r"==\1.*", requirement) for requirement in needed]
     rows: list[tuple[dict[str, str], dict[str, float]]] = []
     with tempfile.TemporaryDirectory() as name:
         wheel = build(Path(name))

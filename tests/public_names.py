@@ -1,4 +1,4 @@
-"""Public names: those at the root, and those of its packages with a dot."""
+"""Public names of presswear, and of its packages with a dot."""
 
 import re
 from operator import attrgetter
@@ -9,12 +9,11 @@ import presswear as pw
 DESCRIBED_IN_TEXT = {"scenes", "statistics"}
 PACKAGES = {"engines", "linkage", "results", "statics"}
 NAMES = sorted({*pw.__all__} - PACKAGES - DESCRIBED_IN_TEXT)
-NAMES += [
-    f"{one}.{name}" for one in sorted(PACKAGES) for name in getattr(pw, one).__all__
-]
+for package in sorted(PACKAGES):
+    NAMES += [f"{package}.{name}" for name in getattr(pw, package).__all__]
 NAMES += ["statistics.Estimate"]
+# Public classes and functions by their name without the package
 PUBLIC: dict[str, Any] = {name.split(".")[-1]: attrgetter(name)(pw) for name in NAMES}
-"""Public classes and functions by their last name."""
 
 
 def missing_names(text: str) -> list[str]:

@@ -38,7 +38,7 @@ def swinging_slide() -> tuple[Linkage, Start]:
     )
     bearing = pw.Bearing(clearance=C, width=WIDTH, friction=0.0)
     linkage = pw.Scene(linkage, bearings={"guide": bearing}).linkage()
-    corners = tuple(replace(one, wall=WALL) for one in linkage.corners)
+    corners = tuple(replace(corner, wall=WALL) for corner in linkage.corners)
     linkage = replace(linkage, clearances=corners)
     depth = 0.5 * FORCE / corners[0].normal.stiffness
     return linkage, Start(np.array([-C - depth, AMPLITUDE, 0.0]), np.zeros(3))

@@ -122,7 +122,8 @@ def test_kernels_make_no_array_and_raise_no_error():
                 continue
             decorators = map(ast.unparse, function.decorator_list)
             if not any(
-                re.match(r"(lazily_)?compiled|inlined", one) for one in decorators
+                re.match(r"(lazily_)?compiled|inlined", decorator)
+                for decorator in decorators
             ):
                 continue
             kernels += 1

@@ -58,7 +58,7 @@ def counts(columns: Columns, subjects: Iterable[str]) -> list[str]:
     lines = [f"| interval | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
     for name, texts in cells.items():
         lines.append(
-            f"| {name} | {' | '.join(texts.get(one, '') for one in columns)} |"
+            f"| {name} | {' | '.join(texts.get(column, '') for column in columns)} |"
         )
     return lines
 

@@ -59,7 +59,9 @@ def fill(folder: Path) -> None:
     PAGE.write_text(
         re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
     )
-    peaks = next(one for one in drawings(evidence) if one.file == "fig-24-peaks.png")
+    peaks = next(
+        drawing for drawing in drawings(evidence) if drawing.file == "fig-24-peaks.png"
+    )
     save(replace(peaks, file=PICTURE.name), PICTURE.parent)
     _, report = write_report(evidence.results, folder)
     shutil.copyfile(report, REPORT)

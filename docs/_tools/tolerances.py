@@ -4,10 +4,11 @@
     python docs/_tools/tolerances.py fill FILE
 
 The motion is chaotic, so that two tolerances give two samples of it. Replicates with
-the same seeds run at each tolerance. A mean over them is compared with that at the
+the same seeds run at each tolerance. Their mean is compared with the mean at the
 reference, DOP853 at 1e-9. Each comparison has the 95 % interval of the difference of
-two independent means. The step error is that of the load distance in short pieces,
-which are repeated with a hundredth of the tolerance before they diverge.
+two independent means. The step error is the error of the load distance in short pieces
+of runs. A piece is repeated with a hundredth of the tolerance, and ends before the
+motions diverge.
 """
 
 import argparse
@@ -49,7 +50,7 @@ HEADS = (
     *KINDS.values(),
 )
 FIRST = 10  # cycles of each run that are left out: the pins fall on their bearings
-CHECKS = 4  # of the step error
+CHECKS = 4  # pieces of runs in the mean of the step error
 
 
 class Setting(NamedTuple):
@@ -75,10 +76,10 @@ SETTINGS = (
 
 @dataclass(frozen=True)
 class Subject:
-    """Scene of which the tolerances are compared."""
+    """Scene in which the tolerances are compared."""
 
     scene: pw.Scene
-    cycles: int  # of each replicate, behind the first ones
+    cycles: int  # of each replicate, after the ``FIRST`` cycles
     replicates: int = 64
     is_worn: bool = False
 
@@ -117,7 +118,7 @@ def depth_of(subject: Subject) -> Array:
 
 
 def means_of(run: Run, joints: Sequence[str]) -> dict[str, float]:
-    """Return the means over the cycles of a run behind the first ones."""
+    """Return the means over the cycles of a run after the ``FIRST`` cycles."""
     recorder = run.recorder
     columns = {"acceleration": recorder.each_cycle("acceleration_max")}
     for k, joint in enumerate(joints):
@@ -138,8 +139,10 @@ def step_error(scene: pw.Scene, engine: InHouse, depth: Array) -> float:
 
 def measure(subject: Subject, setting: Setting) -> dict[str, Any]:
     """Return means of each replicate, CPU time, energy residual and step error of a setting."""
-    scene, depth = subject.scene, depth_of(subject)
-    linkage, period = linkage_on(scene, depth), scene.mechanism.period
+    scene = subject.scene
+    depth = depth_of(subject)
+    linkage = linkage_on(scene, depth)
+    period = scene.mechanism.period
     engine = InHouse(*setting[:2], impact_steps=setting.impact_steps)
     plan = Plan(period, FIRST + subject.cycles, 1, torques=False, run_up=scene.run_up)
     simulate = engine.for_cycle(period).simulate
@@ -151,51 +154,61 @@ def measure(subject: Subject, setting: Setting) -> dict[str, Any]:
     if len(sound) < 2:
         return {"failures": failures}
     joints = [joint.name for joint in linkage.clearances]
-    each = [means_of(run, joints) for run in sound]
+    runs_means = [means_of(run, joints) for run in sound]
     numbers = [run.diagnostics for run in sound]
     residuals = [
         float(n["energy_residual_J"]) / float(n["drive_exchange_J"]) for n in numbers
     ]
+    means = {}
+    for name in runs_means[0]:
+        means[name] = [run_means[name] for run_means in runs_means]
     return {
         "failures": failures,
-        "means": {name: [means[name] for means in each] for name in each[0]},
+        "means": means,
         "cpu": sum(run.cpu for run in sound) / (len(sound) * plan.cycles),
         "residual": float(np.median(np.abs(residuals))),
         "step_error": step_error(scene, engine, depth),
     }
 
 
-def difference(one: Sequence[float], two: Sequence[float]) -> tuple[float, float]:
+def difference(
+    values: Sequence[float], reference: Sequence[float]
+) -> tuple[float, float]:
     """Return the difference of two means, and the half width of its 95 % interval (Welch)."""
-    first, second = np.array(one), np.array(two)
-    a, b = first.var(ddof=1) / first.size, second.var(ddof=1) / second.size
+    first = np.array(values)
+    second = np.array(reference)
+    result = float(first.mean() - second.mean())
+    a = first.var(ddof=1) / first.size
+    b = second.var(ddof=1) / second.size
     if a + b == 0.0:
-        return float(first.mean() - second.mean()), 0.0
+        return result, 0.0
     freedom = (a + b) ** 2 / (a**2 / (first.size - 1) + b**2 / (second.size - 1))
-    return float(first.mean() - second.mean()), quantile(freedom) * math.sqrt(a + b)
+    return result, quantile(freedom) * math.sqrt(a + b)
 
 
 def cells(kind: str, row: Mapping[str, Any], reference: Mapping[str, Any]) -> str:
     """Return means of a quantity with their intervals, or their differences in per cent."""
     texts = []
-    for name in (name for name in row["means"] if name.startswith(kind)):
-        values, expected = row["means"][name], reference["means"][name]
+    for name, values in row["means"].items():
+        if not name.startswith(kind):
+            continue
+        expected = reference["means"][name]
         if row is reference:
             half = half_width(np.array(values)) or 0.0
             texts.append(f"{np.mean(values):.4g} ± {half:.2g}")
         else:
-            apart, half = (
-                100.0 * x / float(np.mean(expected))
-                for x in difference(values, expected)
-            )
-            mark = "**" if abs(apart) > half else ""
-            texts.append(f"{mark}{apart:+.2f} ± {half:.2f}{mark}")
+            change, half = difference(values, expected)
+            percent = 100.0 / float(np.mean(expected))
+            mark = "**" if abs(change) > half else ""
+            text = f"{percent * change:+.2f} ± {percent * half:.2f}"
+            texts.append(f"{mark}{text}{mark}")
     return "; ".join(texts)
 
 
 def rows(name: str, settings: Mapping[str, Any]) -> list[str]:
     """Return the rows of a scene."""
-    reference, lines = settings[REFERENCE.name], []
+    reference = settings[REFERENCE.name]
+    lines = []
     for setting in SETTINGS:
         row = settings[setting.name]
         method = f"{setting.integrator.upper()}, {setting.tolerance:g}, {setting.impact_steps}"
@@ -211,27 +224,29 @@ def rows(name: str, settings: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def outside(found: Mapping[str, Any], setting: Setting) -> tuple[int, int]:
+def count_significant(measured: Mapping[str, Any], setting: Setting) -> tuple[int, int]:
     """Return the number of differences from the reference beyond their intervals, and of all."""
-    count = total = 0
-    for settings in found.values():
-        row, reference = settings[setting.name], settings[REFERENCE.name]
+    count = 0
+    total = 0
+    for settings in measured.values():
+        row = settings[setting.name]
+        reference = settings[REFERENCE.name]
         for name, values in row.get("means", {}).items():
-            apart, half = difference(values, reference["means"][name])
+            change, half = difference(values, reference["means"][name])
             total += 1
-            count += abs(apart) > half
+            count += abs(change) > half
     return count, total
 
 
-def results_of(found: Mapping[str, Any]) -> str:
+def results_of(measured: Mapping[str, Any]) -> str:
     """Return the table with a sentence on each setting."""
     lines = [f"| {' | '.join(HEADS)} |", f"|---|---|{'---:|' * (len(HEADS) - 2)}"]
-    for name, settings in found.items():
+    for name, settings in measured.items():
         lines += rows(name, settings)
     lines.append("")
     for setting in SETTINGS:
         if setting != REFERENCE:
-            count, total = outside(found, setting)
+            count, total = count_significant(measured, setting)
             method = (
                 f"{setting.tolerance:g} with {setting.impact_steps} steps in an impact"
             )
@@ -243,16 +258,16 @@ def results_of(found: Mapping[str, Any]) -> str:
 
 def store(file: Path, names: Sequence[str]) -> None:
     """Measure all settings of the scenes and store them after each."""
-    found = json.loads(file.read_text()) if file.exists() else {}
+    measured = json.loads(file.read_text()) if file.exists() else {}
     for name, subject in subjects().items():
         if names and name not in names:
             continue
         for setting in SETTINGS:
-            if setting.name in found.get(name, {}):
+            if setting.name in measured.get(name, {}):
                 continue
             result = measure(subject, setting)
-            found.setdefault(name, {})[setting.name] = result
-            file.write_text(json.dumps(found, indent=1))
+            measured.setdefault(name, {})[setting.name] = result
+            file.write_text(json.dumps(measured, indent=1))
             failed = len(result["failures"])
             print(
                 f"{name}, {setting.name}: {result.get('cpu')} s, {failed} failed",

@@ -78,7 +78,7 @@ class Parameter:
     shown: str = ""  # unit in which the user wrote the values; empty: none
 
     @property
-    def shown_values(self) -> tuple[float, str]:
+    def factor_and_unit(self) -> tuple[float, str]:
         """Factor from SI to the unit in which the diagram is drawn, and that unit."""
         size = UNITS.get(self.unit, {}).get(self.shown)
         if size:
@@ -225,7 +225,8 @@ def run_branch(
     for k in range(len(rows), len(values)):
         report(k / len(values))
         scene_at_value = changed(scene, {key: values[k]})
-        ideal = start = initial_state(scene_at_value)
+        ideal = initial_state(scene_at_value)
+        start = ideal
         if rows and not np.isnan(rows[-1]["pins"]).any():
             previous = changed(scene, {key: values[k - 1]}).linkage()
             end = Start(*rows[-1]["end"])
@@ -288,33 +289,36 @@ class Diagram:
         They are the parameter, ``is_decreasing``, ``cycle``, ``period``, ``exponent`` and
         ``exponent_half_width``, and the ``quantities``, with ``_`` in place of the dot; SI.
         """
+        parts = [self._columns(direction) for direction in self.branches]
+        table = {}
+        for name in parts[0] if parts else ():
+            values = np.concatenate([part[name] for part in parts])
+            table[name.replace(".", "_")] = values
+        return table
+
+    def _columns(self, direction: str) -> dict[str, NDArray[Any]]:
+        """Return the columns of ``table`` of one branch, with the names of quantities."""
         stored = self.cycles.stored
-        parts = []
-        for direction, branch in self.branches.items():
-            periods = self.periods(direction)
-            numbers = [
-                np.nan if motion is None else motion.period or 0 for motion in periods
-            ]
-            each_value = {
-                self.parameter.key: branch.value,
-                "is_decreasing": np.full(len(branch), float(direction == "down")),
-                "period": np.array(numbers, float),
-                "exponent": branch.exponent[:, 0],
-                "exponent_half_width": branch.exponent[:, 1],
-            }
-            columns = {
-                name: np.repeat(each, stored) for name, each in each_value.items()
-            }
-            last = np.arange(self.cycles.total - stored, self.cycles.total) + 1.0
-            columns["cycle"] = np.tile(last, len(branch))
-            for name in self.quantities:
-                columns[name] = self.numbers(name, direction).ravel()
-            parts.append(columns)
-        names = parts[0] if parts else ()
-        joined = {
-            name: np.concatenate([part[name] for part in parts]) for name in names
+        branch = self.branches[direction]
+        periods = []
+        for motion in self.periods(direction):
+            if motion is None:
+                periods.append(math.nan)
+            else:
+                periods.append(float(motion.period or 0))
+        by_value = {
+            self.parameter.key: branch.value,
+            "is_decreasing": np.full(len(branch), float(direction == "down")),
+            "period": np.array(periods),
+            "exponent": branch.exponent[:, 0],
+            "exponent_half_width": branch.exponent[:, 1],
         }
-        return {name.replace(".", "_"): values for name, values in joined.items()}
+        columns = {name: np.repeat(values, stored) for name, values in by_value.items()}
+        stored_cycles = np.arange(self.cycles.total - stored, self.cycles.total) + 1.0
+        columns["cycle"] = np.tile(stored_cycles, len(branch))
+        for name in self.quantities:
+            columns[name] = self.numbers(name, direction).ravel()
+        return columns
 
     def units(self) -> dict[str, str]:
         """Return the units of the columns of ``table``."""
@@ -385,14 +389,7 @@ def compute(
             run_branch, scene, parameter.key, values, cycles, initial_state, file
         )
     with only_writer(folder, resume=True):
-        if (folder / FILE).exists():
-            stored = _document(folder)
-            for name, value in plain(inputs).items():
-                if stored[name] != value:
-                    raise InputError(f"{folder} holds a diagram with another {name}")
-        else:
-            origin = {"schema": SCHEMA, "provenance": provenance()}
-            write_json(folder / FILE, {**origin, **inputs})
+        _write_document(folder, inputs)
         count = min(jobs or cores(), len(jobs_by_number))
         with Workers(count, (__name__,)) as workers:
             workers.run(
@@ -401,6 +398,18 @@ def compute(
                 lambda key, share, word, rows: on_progress(DIRECTIONS[key], share),
             )
     return load_diagram(folder)
+
+
+def _write_document(folder: Path, inputs: Mapping[str, Any]) -> None:
+    """Write the inputs of a diagram; raise InputError if the folder has other inputs."""
+    if not (folder / FILE).exists():
+        origin = {"schema": SCHEMA, "provenance": provenance()}
+        write_json(folder / FILE, {**origin, **inputs})
+        return
+    stored = _document(folder)
+    for name, value in plain(inputs).items():
+        if stored[name] != value:
+            raise InputError(f"{folder} holds a diagram with another {name}")
 
 
 @checked_arguments

@@ -20,11 +20,12 @@ _DOCUMENT = "document"  # array of a checkpoint that holds everything but its ar
 class Checkpoint:
     """State of a campaign between two cycles, saved as named arrays."""
 
-    index: int = 0  # number of the stage that runs
-    # depth of the surfaces of its runs, m
+    index: int = 0  # number of the present stage
+    # worn depth of the surfaces in the present stage, m
     depth: Array = field(default_factory=lambda: np.zeros(0))
-    stage: EnsembleState | None = None  # its finished runs, while they wear
-    update: WearUpdate | None = None  # last refinement of the wear update after it
+    # finished runs of the present stage, during the wear update after it
+    stage: EnsembleState | None = None
+    update: WearUpdate | None = None  # last refinement of this wear update
     # unfinished runs of the stage or of a refinement
     running: EnsembleState = EnsembleState()
     # state of the service life, which comes before the stages
@@ -35,8 +36,9 @@ class Checkpoint:
     def words(self) -> str:
         """Description of the last stored cycle."""
         if self.life is not None and self.life.running.runs:
-            blocks = self.life.refinements[-1].blocks if self.life.refinements else ()
-            strokes = blocks[-1].strokes if blocks else 0.0
+            strokes = 0.0
+            if self.life.refinements and self.life.refinements[-1].blocks:
+                strokes = self.life.refinements[-1].blocks[-1].strokes
             number = self.life.place[0]
             return (
                 f"refinement {number} of the life, {large(strokes, digits=2)} strokes"
@@ -45,7 +47,7 @@ class Checkpoint:
         return f"stage {self.index}{wear}, cycle {self.running.cycles}"
 
     def save(self) -> State:
-        """Return the arrays in it by number, and everything else as a document."""
+        """Return the arrays of the checkpoint by number, and the rest as a document."""
         import msgspec  # slow to import
 
         arrays: dict[str, NDArray[Any]] = {}

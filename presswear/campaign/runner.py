@@ -205,7 +205,7 @@ class _Rounds:
             arrays = None if run is None else run.arrays
             number = k + self._size * self.spec.number
             part = Part(self.depth[k], number, self.state.until[k], arrays)
-            duration = runner.workers.lasts
+            duration = runner.workers.job_duration
             units[k] = WorkUnit(runner.scene, self.spec, part, duration, observers)
         return units
 

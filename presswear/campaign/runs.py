@@ -218,7 +218,9 @@ def run_into(
         # The number of runs (first axis) differs between the stages of a scene.
         if checkpoint and checkpoint.depth.shape[1:] != initial_depth(scene).shape[1:]:
             raise InputError(f"{store.path}: its checkpoint is of another scene")
-        workers = workers or Workers(lasts=store.interval / _UNITS_PER_CHECKPOINT)
+        workers = workers or Workers(
+            job_duration=store.interval / _UNITS_PER_CHECKPOINT
+        )
         outcome = run_campaign(scene, (store, *observers), checkpoint, workers)
         store.close(*outcome[:2])
     return outcome[2]

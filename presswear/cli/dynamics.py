@@ -14,27 +14,26 @@ CYCLES = 100  # default number of cycles at each value of a bifurcation diagram
 
 def dynamics(arguments: argparse.Namespace, console: Console) -> int:
     """Print contact modes and periods, or an exponent, or draw a bifurcation diagram."""
+    if arguments.over is not None:
+        return _diagram(in_house_scene(arguments), arguments, console)
+    for name in ("cycles", "stored", "out", "resume"):
+        if getattr(arguments, name):
+            raise InputError(f"--{name} needs --over")
     folder = Path(arguments.scene)
-    if arguments.over is None:
-        for name in ("cycles", "stored", "out", "resume"):
-            if getattr(arguments, name):
-                raise InputError(f"--{name} needs --over")
-    if folder.is_dir() and arguments.over is None:
+    if folder.is_dir():
         if arguments.engine or arguments.set:
             raise InputError(
                 f"{folder} is a result folder: --engine and --set need --over"
             )
         return _describe(folder, console)
-    scene = requested_scene(arguments)
-    if arguments.over is not None:
-        return _diagram(scene, arguments, console)
+    scene = in_house_scene(arguments)
     if not arguments.exponent:
         raise InputError("--exponent 0 needs --over")
     return _exponent(scene, arguments.exponent, console)
 
 
-def requested_scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene with the settings of ``--set``, to be run by the in-house engine."""
+def in_house_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene with the settings of ``--set``; InputError for another engine."""
     settings = terminal.parse_settings(arguments.set)
     engine = arguments.engine or settings.get("engine", "dae")
     if engine != "dae" or "wear_updates" in settings:

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 LOGGER = logging.getLogger(__name__)
 LINE_INTERVAL = 60.0  # time between lines of progress where there is no terminal, s
 LONG_LIFE = 600.0  # time above which a user confirms a service life, s
-# Largest ratio of the time of a life to the time expected after its first blocks: the
-# scatter decides how many refinements follow, worn surfaces how long a cycle takes
+# Largest ratio of the time of a life to the time expected after its first blocks. The
+# number of refinements and the time of a cycle on worn surfaces are not yet available.
 LIFE_SPREAD = 2.0
 # Cycles of all replicates from which the text mentions ``--quick``: ten minutes at 0.3 s
 MANY_CYCLES = 2000
@@ -46,13 +46,14 @@ class RunObserver(Observer):
         self._scene = scene
         self._is_confirmed = is_confirmed
         self._compile_time = 0.0  # compile time of this stage, s
-        # compile time of all stages and before the first report, s
-        self._compiled = 0.0
+        # Time without progress: before the first report, and of compilation, s
+        self._idle_time = 0.0
         self._compile_start: float | None = None
-        # completed share at the first report; above 0 in a resumed run
-        self._start: float | None = None
+        # Completed share at the first report; above 0 in a resumed run
+        self._first_share: float | None = None
         self._task = bar.add_task(step_text(scene, 0, ""), total=1.0)
-        self._printed = clock.perf_counter()
+        self._started = clock.perf_counter()
+        self._printed = self._started  # time of the last line of progress
 
     def on_progress(self, progress: Progress) -> None:
         """Update the progress bar; raise KeyboardInterrupt after a signal.
@@ -67,22 +68,22 @@ class RunObserver(Observer):
         text = step_text(self._scene, progress.stage, progress.word)
         if self._compile_start is not None:
             duration = clock.perf_counter() - self._compile_start
-            self._compiled += duration
+            self._idle_time += duration
             # The time of a stage does not include the wear update after it.
             if not text.startswith("applying"):
                 self._compile_time += duration
             self._compile_start = None
         share = progress.estimate or progress.whole
-        if self._start is None:
-            self._start = share
-            self._compiled = clock.perf_counter() - self._printed
+        if self._first_share is None:
+            self._first_share = share
+            self._idle_time = clock.perf_counter() - self._started
         self._bar.update(
             self._task,
             description=text,
             completed=progress.whole,
-            idle=self._compiled,
+            idle=self._idle_time,
             share=share,
-            start=self._start,
+            start=self._first_share,
         )
         if self._bar.disable and clock.perf_counter() > self._printed + LINE_INTERVAL:
             self._printed = clock.perf_counter()
@@ -96,7 +97,7 @@ class RunObserver(Observer):
         started = clock.perf_counter()
         if not self._is_confirmed:
             confirm(self._bar, seconds)
-        self._compiled += clock.perf_counter() - started
+        self._idle_time += clock.perf_counter() - started
 
     def on_life(self, life: "LifeResult") -> None:
         """Print the service life."""
@@ -171,7 +172,7 @@ def step_text(scene: Scene, stage: int, step: str) -> str:
 
 
 def _largest(words: str, unit: str, values: dict[str, Estimate]) -> list[str]:
-    """Return a line with the largest of the values of joints; none if all are zero."""
+    """Return a line with the largest values of joints; no line if all are zero."""
     names = sorted(values, key=lambda name: -values[name].mean)
     if not names or not values[names[0]].mean:
         return []

@@ -5,7 +5,7 @@ import argparse
 from rich.console import Console
 
 from presswear.cli import terminal
-from presswear.cli.dynamics import requested_scene
+from presswear.cli.dynamics import in_house_scene
 
 
 def settle(arguments: argparse.Namespace, console: Console) -> int:
@@ -19,7 +19,7 @@ def settle(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.show.figures.settling import drawings_of
 
     watch = Watch(arguments.starts, arguments.cycles)
-    scene = requested_scene(arguments)
+    scene = in_house_scene(arguments)
     check(scene)
     parameter = Parameter.parse(arguments.over, scene) if arguments.over else None
     folder = terminal.output_folder(arguments, f"{scene.name}-settle")

@@ -1,8 +1,8 @@
 """Press of the paper: a hybrid-driven seven-bar linkage.
 
 Bodies are numbered as in the paper: frame 1, crank 2, rod 3, triangular plate 4, rod 5,
-slider 6, crank 7. The paper does not print enough to determine the mechanism; each
-value states whether it is the paper's, chosen or assumed.
+slider 6, crank 7. The paper does not print enough to determine the mechanism. The origin
+of each value is the paper, a choice or an assumption.
 """
 
 import cmath
@@ -35,7 +35,7 @@ from presswear.linkage.mechanism import (
 )
 from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity_field, run_up_field
-from presswear.linkage.points import Attachment, OutputPoint
+from presswear.linkage.points import Attachment, End, OutputPoint
 from presswear.linkage.servos import SERVOS, ConstantSpeed, Servo
 from presswear.tools.errors import InputError
 from presswear.tools.fields import named_set, one_of, quantity
@@ -53,9 +53,9 @@ _side = partial(length_field, "paper, reading chosen")
 class Geometry(Checked):
     """Frame joint O2, sides of the plate, and the branch in which the linkage is assembled.
 
-    The paper prints none of these unambiguously. ``side_b`` is the side of the line
-    from D to A on which B lies, ``side_c`` that of the line from D to B on which C lies
-    (RIGHT or LEFT); ``slider_side`` is BELOW or ABOVE C.
+    The paper prints none of these unambiguously. B lies on the ``side_b``, RIGHT or LEFT,
+    of the line from D to A. C lies on the ``side_c`` of the line from D to B. The slider
+    lies on the ``slider_side``, BELOW or ABOVE, of C.
     """
 
     hx: float = quantity(
@@ -86,7 +86,7 @@ class Geometry(Checked):
             raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
-# Each has nearly the two peak values that the paper prints.
+# Geometries with nearly the two peak values that the paper prints
 GEOMETRIES: dict[str, Geometry] = {
     "standard": Geometry(),
     "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
@@ -175,10 +175,11 @@ class Press(Mechanism):
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """Settings without effect; a servo saturates at its limit or at that of the press."""
+        """Settings without effect."""
         names = super().unread
         if self.servo is not None and self.servo.stiffness is None:
             names += ("servo.damping",)
+        # The torque limit of the press also limits crank 7, unless its servo has a limit.
         if self.servo is None or self.servo.torque_limit is None:
             names = tuple(name for name in names if name != "torque_limit")
         return names
@@ -199,57 +200,60 @@ class Press(Mechanism):
         }
 
     def _assemble(self) -> Linkage:
-        # Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation 14;
-        # the slider's angle of 90 degrees there is the direction of its guide.
         geometry = self.geometry
-        corner = self.plate_corners()
         pivots = {"O2": (geometry.hx, geometry.hy), "O7": (0.0, 0.0)}
         crown = self._crown(0.5 * math.pi, pivots)
+        bodies = (
+            Bar("crank 2", self.length_2, self.mass_2, self.inertia_2),
+            Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
+            Body("plate 4", self.mass_4, self.inertia_4),
+            Bar("rod 5", self.length_5, self.mass_5, self.inertia_5),
+            Body("slider 6", self.mass_6, self._slide_inertia(self.mass_6)),
+            Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
+        )
         return assemble(
             name="seven-bar press",
-            bodies=(
-                *crown.bodies,
-                Bar("crank 2", self.length_2, self.mass_2, self.inertia_2),
-                Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
-                Body("plate 4", self.mass_4, self.inertia_4),
-                Bar("rod 5", self.length_5, self.mass_5, self.inertia_5),
-                Body("slider 6", self.mass_6, self._slide_inertia(self.mass_6)),
-                Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
-            ),
-            joints=(
-                *crown.guides,
-                Pin("O2", crown.ends["O2"], "crank 2.head"),
-                Pin("O7", crown.ends["O7"], "crank 7.tail"),
-                Pin("A", "rod 3.head", "crank 2.tail"),
-                Pin("B", "rod 3.tail", corner["B"]),
-                Pin("C", "rod 5.head", corner["C"]),
-                Pin("D", "crank 7.head", corner["D"]),
-                Pin("E", "rod 5.tail", "slider 6"),
-                Guide(
-                    "guide",
-                    "slider 6",
-                    geometry.hx,
-                    0.0,
-                    0.5 * math.pi,
-                    angle=0.5 * math.pi,
-                    length=self.guide_length,
-                    width=self.guide_width,
-                ),
-            ),
-            drives=(
-                Drive(
-                    "crank 2",
-                    -self.speed,
-                    CRANK_2_START,
-                    torque_limit=None if self.motor else self.torque_limit,
-                    motor=self.motor,
-                ),
-                self._drive_7,
-            ),
+            bodies=(*crown.bodies, *bodies),
+            joints=(*crown.guides, *self._joints(crown.ends)),
+            drives=(self._drive_2, self._drive_7),
             output=OutputPoint("slider 6", 0.5 * math.pi),
             guess=self.guess,
             gravity=self.gravity,
             run_up=self.run_up,
+        )
+
+    def _joints(self, ends: Mapping[str, End]) -> tuple[Pin | Guide, ...]:
+        """Return the joints; ``ends`` are the ends of O2 and O7 on the frame.
+
+        Rod 3 points from B to A, rod 5 from E to C. The directions of the cranks and the
+        angle of the slider, 90 degrees, are those of equation 14 of the paper.
+        """
+        corner = self.plate_corners()
+        return (
+            Pin("O2", ends["O2"], "crank 2.head"),
+            Pin("O7", ends["O7"], "crank 7.tail"),
+            Pin("A", "rod 3.head", "crank 2.tail"),
+            Pin("B", "rod 3.tail", corner["B"]),
+            Pin("C", "rod 5.head", corner["C"]),
+            Pin("D", "crank 7.head", corner["D"]),
+            Pin("E", "rod 5.tail", "slider 6"),
+            Guide(
+                "guide",
+                "slider 6",
+                x=self.geometry.hx,
+                y=0.0,
+                direction=0.5 * math.pi,
+                angle=0.5 * math.pi,
+                length=self.guide_length,
+                width=self.guide_width,
+            ),
+        )
+
+    @property
+    def _drive_2(self) -> Drive:
+        limit = None if self.motor else self.torque_limit
+        return Drive(
+            "crank 2", -self.speed, CRANK_2_START, torque_limit=limit, motor=self.motor
         )
 
     @property

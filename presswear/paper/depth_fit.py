@@ -14,7 +14,7 @@ def depth_factors(evidence: Evidence, case: str) -> dict[Place, float]:
     """Return printed depths after a first wear divided by ours."""
     factors: dict[Place, float] = {}
     for number in PRINTED:
-        if (number.quantity, number.place.wear_updates) == ("depth", 1):
+        if number.quantity == "depth" and number.place.wear_updates == 1:
             ours = evidence.estimate(case, number.place, "depth")
             if ours is not None and ours.mean > 0.0:
                 factors[number.place] = number.value / ours.mean
@@ -25,18 +25,20 @@ class Fit(NamedTuple):
     """One factor on K_d / b for all printed depths; nan if there are none."""
 
     best: float  # geometric mean of all but the doubtful prints
-    # factor by which single depths miss it, root mean square of logarithms
+    # factor between a printed depth and the fit: root mean square of its logarithm
     typical: float
-    largest: float  # largest of these factors
+    largest: float  # largest factor between a printed depth and the fit
 
 
 def fit(factors: Mapping[Place, float]) -> Fit:
-    """Return the factor on K_d / b that fits best, and how far single depths are from it."""
+    """Return the factor on K_d / b that fits best, and the scatter of the printed depths."""
     logs = np.log(
         [factor for place, factor in factors.items() if place not in DOUBTFUL]
     )
     if not logs.size:
         return Fit(math.nan, math.nan, math.nan)
-    off = logs - logs.mean()
-    numbers = (logs.mean(), logs.std(), np.abs(off).max())
-    return Fit(*(math.exp(number) for number in numbers))
+    return Fit(
+        best=math.exp(logs.mean()),
+        typical=math.exp(logs.std()),
+        largest=math.exp(np.abs(logs - logs.mean()).max()),
+    )

@@ -26,12 +26,12 @@ QUANTITIES = {
     name: Row(label, path, unit, digits=digits)
     for name, (label, path, unit, digits) in TABLES["quantities"].items()
 }
-# the others add up all wears so far
+# Quantities of the last wear update; the other quantities add up all wear updates
 OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")
 
 
-# functionals of wear maps of shape (..., surfaces, m): one surface, the sum of both,
-# where angles are directions in space, and two surfaces where angles are on the bodies
+# Functionals of wear maps, shape (..., surfaces, m). Maps over directions in space are
+# the sum of both surfaces, so that ``surfaces`` is 1. It is 2 for maps on the bodies.
 _FUNCTIONALS: dict[str, Callable[[Array], Any]] = {
     "deepest": lambda maps: maps.max(axis=-1).sum(axis=-1),
     "mean": lambda maps: maps.mean(axis=-1).sum(axis=-1),
@@ -56,13 +56,13 @@ class Measured:
     # range of the first cycles, which are not among the samples
     first_cycles: Ends | None = None
     replicates: int = 0
-    # replicates differ by more than the scatter of their cycles explains
+    # True if replicates differ by more than the scatter of their cycles explains
     differ: bool = False
     freedom: float = math.inf  # degrees of freedom of the interval
 
 
 class WearMap(NamedTuple):
-    """Depth of both surfaces of a joint, m, with its pointwise 95 % interval; shape (m,) each."""
+    """Depth of both surfaces of a joint, m, with its pointwise 95 % interval, shape (m,)."""
 
     angle: Array  # rad
     mean: Array  # depth of the bearing alone where maps turn with the bodies
@@ -74,15 +74,17 @@ def cycles_by_replicate(result: pw.Result, place: Place, quantity: str) -> list[
     """Return the values of every cycle for each replicate; the runs on common surfaces first."""
     stage = result.stages[place.wear_updates]
     name = QUANTITIES[quantity].path
-    owner: pw.results.StageResult | pw.results.JointResult = (
-        stage.joints[place.joint] if place.joint else stage
-    )
+    replicate = stage.arrays["cycle_start"]
     if name in DEVIATIONS:
         values = stage.arrays["deviation"][:, DEVIATIONS.index(name)]
+        replicate = stage.arrays["deviation_start"]
+    elif name == "flight":
+        values = stage.joints[place.joint].arrays[name]
+        replicate = stage.arrays["deviation_start"]
+    elif place.joint:
+        values = stage.joints[place.joint].each_cycle(name)
     else:
-        values = owner.arrays[name] if name == "flight" else owner.each_cycle(name)
-    is_recorded = name in DEVIATIONS or name == "flight"
-    replicate = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
+        values = stage.each_cycle(name)
     if quantity == "contact_rate":
         values = values / result.scene.mechanism.period
     return [values[replicate == index] for index in np.unique(replicate)]
@@ -99,48 +101,49 @@ class Evidence:
     ) -> pw.Result | None:
         """Return the run of a case if it completed a stage, with clearance at the joint."""
         result = self.results.get(run_name(case, setting))
-        if (
-            result is None
-            or not 0 <= stage < len(result.stages)
-            or result.stages[stage].failed
-        ):
+        if result is None or not 0 <= stage < len(result.stages):
             return None
-        return result if not joint or joint in result.scene.clearance_joints else None
+        has_joint = not joint or joint in result.scene.clearance_joints
+        if result.stages[stage].failed or not has_joint:
+            return None
+        return result
 
     def worn_run(self, case: str, place: Place) -> pw.Result | None:
-        """Return the run of a case if it completed the stage that gave a place its last wear."""
+        """Return the run of a case if it completed the stage before the last wear update."""
         return self.run_at(case, place.setting, place.wear_updates - 1, place.joint)
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """Return a quantity under a case from all its replicates; None if it was not computed."""
         if quantity in OF_MAPS:
-            return _from_maps(self, case, place, _stages_added(place, quantity))[
-                quantity
-            ]
+            stages = _stages_added(place, quantity)
+            return _from_maps(self, case, place, stages)[quantity]
         result = self.run_at(case, place.setting, place.wear_updates, place.joint)
         if result is None:
             return None
-        every = cycles_by_replicate(result, place, quantity)
+        by_replicate = cycles_by_replicate(result, place, quantity)
         count = result.scene.replicate_count
-        # After a wear each replicate also runs alone on its surfaces, which gives the
+        # After a wear update each replicate also runs on its surfaces, which gives the
         # interval.
-        together = every[:count]
-        alone = every[-count:] if place.wear_updates > 0 else ()
-        estimate, differ = pw.statistics.pooled(together, alone)
-        samples = np.concatenate(
-            [pw.statistics.after_startup(rows) for rows in together]
-        )
-        scatter = None
-        first = [float(rows[0]) for rows in together]
+        on_common_surfaces = by_replicate[:count]
+        on_its_surfaces = by_replicate[-count:] if place.wear_updates > 0 else ()
+        estimate, differ = pw.statistics.pooled(on_common_surfaces, on_its_surfaces)
+        first = [float(rows[0]) for rows in on_common_surfaces]
+        series = [pw.statistics.after_startup(rows) for rows in on_common_surfaces]
+        samples = np.concatenate(series)
+        single_cycles = None
         if samples.size >= MIN_SAMPLES:
             low, high = np.quantile(samples, (0.025, 0.975)).tolist()
-            scatter = low, high
-        series = [pw.statistics.after_startup(rows) for rows in together]
-        worth = samples.size / pw.statistics.inefficiency(series)
-        independent = float(len(together)) if differ else worth
-        ends = min(first), max(first)
+            single_cycles = low, high
+        independent = float(len(series))
+        if not differ:
+            independent = samples.size / pw.statistics.inefficiency(series)
         return Measured(
-            estimate, scatter, ends, len(together), differ, max(independent - 1.0, 1.0)
+            estimate,
+            single_cycles=single_cycles,
+            first_cycles=(min(first), max(first)),
+            replicates=len(series),
+            differ=differ,
+            freedom=max(independent - 1.0, 1.0),
         )
 
     def estimate(
@@ -158,8 +161,10 @@ class Evidence:
         mean, centre, draws, count = _wear_draws(
             result, place.joint, range(place.wear_updates)
         )
-        ends = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
-        below, above = (np.hypot(end - centre[0], mean[0] - centre[0]) for end in ends)
+        low, high = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
+        shift = mean[0] - centre[0]
+        below = np.hypot(low - centre[0], shift)
+        above = np.hypot(high - centre[0], shift)
         angle = result.stages[0].joints[place.joint].angle
         return WearMap(
             angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above
@@ -167,7 +172,7 @@ class Evidence:
 
 
 def _stages_added(place: Place, quantity: str) -> range:
-    """Return the stages whose wears are added up for a quantity of maps."""
+    """Return the stages whose wear is added up for a quantity of maps."""
     first = place.wear_updates - 1 if quantity in OF_ONE_WEAR else 0
     return range(first, place.wear_updates)
 
@@ -176,20 +181,20 @@ def _stages_added(place: Place, quantity: str) -> range:
 def _from_maps(
     evidence: Evidence, case: str, place: Place, stages: range
 ) -> dict[str, Measured | None]:
-    """Return all quantities of the sum of some wears at once, because resampling is slow."""
+    """Return all quantities of the wear of some stages at once, because resampling is slow."""
     names = [name for name in OF_MAPS if _stages_added(place, name) == stages]
     result = evidence.worn_run(case, place)
-    # The wear that the last stage would cause is one jump, which says nothing of wear
-    # in steps.
-    if result is None or (
-        result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates
-    ):
+    if result is None:
+        return dict.fromkeys(names)
+    # The wear after the last stage is extrapolated in one step, also in a scene that wears
+    # in several steps.
+    is_after_last = place.wear_updates > result.scene.wear_updates
+    if result.scene.wears_in_steps and is_after_last:
         return dict.fromkeys(names)
     mean, centre, draws, count = _wear_draws(result, place.joint, stages)
     last = Place(place.setting, place.wear_updates - 1, place.joint)
-    rows = cycles_by_replicate(result, last, "load_distance")[
-        : result.scene.replicate_count
-    ]
+    by_replicate = cycles_by_replicate(result, last, "load_distance")
+    rows = by_replicate[: result.scene.replicate_count]
     cycles = sum(pw.statistics.after_startup(row).size for row in rows)
 
     def measured(name: str) -> Measured | None:
@@ -212,13 +217,13 @@ def _from_maps(
 def _wear_draws(
     result: pw.Result, joint: str, stages: range
 ) -> tuple[Array, Array, Array, int]:
-    """Return the sum of the wears of some stages, m, as means, centres, draws and a count.
+    """Return the wear of some stages together, m, as mean, centre, draws and a count.
 
-    The means are the wear itself, and the centres the mean of the maps that the
-    bootstrap draws are from, shape (surfaces, m) each; the draws have a first axis
-    more. The count is the smallest number of maps of a stage.
+    The mean is the wear itself. The centre is the mean of the maps from which the
+    bootstrap draws are taken. Both have the shape (surfaces, m), the draws the shape
+    (draws, surfaces, m). The count is the smallest number of maps of a stage.
     """
-    turns = result.scene.conventions.map_frame == "body"
+    has_maps_on_bodies = result.scene.conventions.map_frame == "body"
     means = []
     centres = []
     draws = []
@@ -232,7 +237,7 @@ def _wear_draws(
             # There are too few cycles for batches.
             maps = wear[np.newaxis]
             weights = np.ones(1)
-        if not turns:
+        if not has_maps_on_bodies:
             wear = wear.sum(axis=0, keepdims=True)
             maps = maps.sum(axis=1, keepdims=True)
         flat = pw.statistics.resampled(maps.reshape(len(maps), -1), weights, seed)

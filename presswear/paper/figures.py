@@ -46,11 +46,11 @@ class Line:
 
 
 def _lines(*stages: tuple[str, int]) -> tuple[Line, ...]:
-    several = len({setting for setting, _ in stages}) > 1
+    has_several_settings = len({setting for setting, _ in stages}) > 1
     lines = []
     for (setting, wear_updates), line_style in zip(stages, LINES, strict=False):
         name = STAGES[wear_updates]
-        if several:
+        if has_several_settings:
             name = f"{SETTINGS[setting].short}, {name}"
         lines.append(Line(setting, wear_updates, Pen(name, *line_style)))
     return tuple(lines)
@@ -112,32 +112,34 @@ def _motion_figures(
 def surfaces(
     evidence: Evidence, number: int, lines: Sequence[Line], joint: str
 ) -> Drawing | None:
-    """Draw the surfaces of a joint after its wears; None if nothing is worn."""
+    """Draw the surfaces of a joint after wear updates; None if nothing is worn."""
     shown = []
+    results = []
     for line in lines:
-        if (worn := evidence.worn_run(BASE, line.at(joint))) is None:
+        result = evidence.worn_run(BASE, line.at(joint))
+        if result is None:
             continue
-        result = worn
-        stage = worn.stages[line.wear_updates - 1]
+        stage = result.stages[line.wear_updates - 1]
         arrays = dict(stage.arrays)
         for name in (f"{joint}_depth_bearing", f"{joint}_depth_pin"):
-            # The surfaces on which the next stage ran are exact also where wear went in
-            # steps.
+            # The next stage ran on the exact surfaces. The sum is exact only if the
+            # wear update had a single step.
             if line.wear_updates < len(result.stages):
                 arrays[name] = result.stages[line.wear_updates].arrays[name]
             else:
                 arrays[name] = arrays[name] + arrays[name.replace("depth", "wear")]
         shown.append(ShownStage(replace(stage, arrays=arrays), line.pen))
+        results.append(result)
     if not shown:
         return None
-    drawing = worn_surface(result, joint, shown)
+    drawing = worn_surface(results[-1], joint, shown)
     caption = f"{drawing.caption} The enlarged part is of “{shown[-1].pen.label}”."
     title = f"Fig. {number} {drawing.title}"
     return replace(drawing, file=f"fig-{number:02d}.png", title=title, caption=caption)
 
 
 def depths(evidence: Evidence, number: int, lines: Sequence[Line]) -> Drawing | None:
-    """Draw the depth of pin and bearing together over the angle, with the printed deepest wear."""
+    """Draw the sum of the depths of pin and bearing, with the printed deepest wear."""
     with_wear = [line for line in lines if line.wear_updates > 0]
     worn = [line for line in with_wear if evidence.worn_run(BASE, line.at("A"))]
     if not worn:

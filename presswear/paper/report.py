@@ -47,8 +47,9 @@ def write_report(results: Mapping[str, pw.Result], folder: Path) -> tuple[str, P
     sections = page_sections(evidence, claims)
     figures = page.illustrated(drawings(evidence), inside(folder, "figures"))
     sections.insert(3, Section("Figures 8 to 25", figures=figures, is_open=True))
-    made = next(map(_made_by, results.values()), "")
-    text = page.render_page(TITLE, page.FirstScreen(made_by=made), sections, [answer])
+    origin = next(map(_made_by, results.values()), "")
+    screen = page.FirstScreen(made_by=origin)
+    text = page.render_page(TITLE, screen, sections, [answer])
     write_bytes(path, text.encode())
     return answer, path
 

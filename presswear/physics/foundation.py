@@ -192,12 +192,13 @@ def survey_cells(
 
 
 @inlined
-def greatest_within(
+def with_cell(
     surfaces: Array, place: Place, node: int, greatest: float, peak: float
 ) -> tuple[float, float]:
-    """Return the greatest overlap, m, and its place in cells, with those of one more cell.
+    """Return the greatest overlap of the previous cells and of one more cell, and its place.
 
-    ``greatest`` and ``peak`` are overlap and place of the cells before.
+    ``greatest``, m, and ``peak``, in cells, are the overlap and the place of the previous
+    cells.
     """
     left = node_at(surfaces, place, node)
     right = node_at(surfaces, place, node + 1)
@@ -274,9 +275,27 @@ class Search(NamedTuple):
     """Cells in which the overlap may be greatest."""
 
     first: int
-    last: int  # before the first one if there is none
+    last: int  # less than ``first`` if there is no such cell
     before: int  # node near which the overlap was greatest before
     previous: float  # overlap at this node, m
+
+
+@inlined
+def integrate_arcs(
+    surfaces: Array, place: Place, first: int, last: int, survey: Survey
+) -> ArcIntegrals:
+    """Return the integrals over all arcs of overlap in surveyed cells.
+
+    A single arc that starts and ends in two simple cells needs no further sum.
+    """
+    is_arc = survey.starts == survey.ends == 1 and survey.start < survey.end
+    if survey.others == 0 and is_arc:
+        sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 0)
+        sums = with_start(surfaces, place, first + survey.start, sums)
+        return with_end(surfaces, place, first + survey.end, sums)
+    if survey.others + survey.starts + survey.ends > 0:
+        return integrate_cells(surfaces, place, first, last)
+    return ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
 
 
 @inlined
@@ -295,24 +314,17 @@ def integrate_overlap(
     """
     before = joint.surface_nodes + cell_of(angle, joint.surface_nodes)[0]
     previous = node_at(surfaces, place, before).overlap
-    # Between two nodes the pin reaches less than this farther than at the nodes.
+    # Bound on the additional reach of the pin between two nodes, m
     bulge = 0.125 * place.width * place.width * place.eccentricity
     least = min(previous, 0.0) - bulge
     first, count = cells_in_reach(surfaces, joint, place, before, least)
     first, last = cells_of_overlap(surfaces, place, first, count, least)
+    # Number of cells from first to last, rounded up to a multiple of LANES
     count = min((last + LANES - first) // LANES * LANES, joint.surface_nodes)
     survey = survey_cells(surfaces, place, first, count, previous)
     last_hump = first + survey.last_hump
     search = Search(first + survey.first_hump, last_hump, before, previous)
-    sums = ArcIntegrals(survey.x, survey.y, survey.pin_slope, survey.square, 0)
-    is_arc = survey.starts == survey.ends == 1 and survey.start < survey.end
-    if survey.others == 0 and is_arc:
-        sums = with_start(surfaces, place, first + survey.start, sums)
-        sums = with_end(surfaces, place, first + survey.end, sums)
-    elif survey.others + survey.starts + survey.ends > 0:
-        sums = integrate_cells(surfaces, place, first, last)
-    else:
-        sums = ArcIntegrals(0.0, 0.0, 0.0, 0.0, 0)
+    sums = integrate_arcs(surfaces, place, first, last, survey)
     surfaces[ARC_PLACE, PLACE_X] = place.dx
     surfaces[ARC_PLACE, PLACE_Y] = place.dy
     surfaces[ARC_PLACE, PLACE_LAG] = place.lag + place.offset
@@ -333,7 +345,7 @@ def greatest_overlap(
     greatest = search.previous
     peak = float(search.before)
     for node in range(search.first, search.last + 1):
-        greatest, peak = greatest_within(surfaces, place, node, greatest, peak)
+        greatest, peak = with_cell(surfaces, place, node, greatest, peak)
     return greatest, peak
 
 
@@ -351,11 +363,11 @@ def node_of_peak(surfaces: Array, place: Place, cell: float) -> Node:
 def derivatives_at(
     surfaces: Array, place: Place, node: int, x: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Return derivatives of the overlap at a place of a cell, for ``deepest_acceleration``.
+    """Return six numbers at a place of a cell, for ``deepest_acceleration``.
 
-    Cosine and sine of its angle, the second derivative of the overlap, m, the slope of
-    the pin's map, m, and the derivatives of the slope by x and by the relative angle,
-    in cells.
+    They are the cosine and the sine of its angle, the second derivative of the overlap,
+    m, the slope of the pin's map, m, and the derivatives of the slope by x and by the
+    relative angle, in cells.
     """
     left = node_at(surfaces, place, node)
     right = node_at(surfaces, place, node + 1)

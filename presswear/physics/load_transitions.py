@@ -28,8 +28,8 @@ from presswear.physics.loads import (
 from presswear.tools.arrays import Array
 from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
-# Transitions from a mode: to a position above its highest or below its lowest, to a speed
-# above its fastest or below its slowest
+# Transitions from a mode: position above mode.high or below mode.low, speed above
+# mode.fast or below mode.slow
 ABOVE, BELOW, FASTER, SLOWER, TRANSITIONS = range(5)
 MAX_CHANGES = 8  # largest number of changes of a mode after a step
 # Time between the end of a step and a node of a table, within which they coincide, s
@@ -103,7 +103,7 @@ def set_limits(load: Records, nodes: Array, mode: Records) -> None:
                 before = load.first + mode.piece - 1
                 mode.low = mode.turn * load.period + nodes[before, 0]
         if load.sense != 0.0:
-            # Speeds at the ends of OFF, RISING and WHOLE
+            # Highest and lowest speeds of the branches OFF, RISING and WHOLE
             mode.fast = (0.0, RAMP_SPEED, math.inf)[branch]
             mode.slow = (-math.inf, 0.0, RAMP_SPEED)[branch]
 
@@ -208,6 +208,7 @@ def settle_load(
 ) -> int:
     """Update the mode of a load after an accepted step; return the number of changes."""
     s, speed, acceleration = load_motion(load, q, v, a)
+    # Size in the same state with the mode before this step
     size_before = load_size(load, nodes, mode, t, s, speed)
     changes = pass_nodes(load, nodes, mode, t)
     mode.change = 0.0
@@ -318,7 +319,7 @@ def place_load(load: Records, nodes: Array, mode: Records, q: Array, v: Array) -
     place = 0.0 if load.kind == TIME else s
     place_mode(load, nodes, mode, place, 1.0, speed, 0.0)
     set_limits(load, nodes, mode)
-    # A motion out of the table starts at its deepest place.
+    # A motion that starts backwards unloads from its first position.
     if load.unloading > 0.0 and speed < mode.slow:
         change_mode(load, nodes, mode, s, speed, 0.0)
 

@@ -42,12 +42,15 @@ def cos_sin(x: float) -> tuple[float, float]:
     half = 0.5 * z
     cosine = 1.0 - half
     higher = z * (z * (C1 + z * (C2 + z * (C3 + z * (C4 + z * (C5 + z * C6))))))
+    # (1 - cosine) - half is the round-off of 1 - half.
     cosine += (1.0 - cosine) - half + higher
-    # quarters = 2 half_turns + quarter. Each half turn changes both signs; quarter is
-    # -1, 0 or 1, and a quarter of a turn exchanges cosine and sine.
+    # quarters = 2 half_turns + quarter, where quarter is -1, 0 or 1. A quarter of a turn
+    # exchanges cosine and sine.
     half_turns = (0.5 * quarters + _WHOLE) - _WHOLE
     quarter = quarters - 2.0 * half_turns
-    sign = 1.0 - 2.0 * abs(half_turns - 2.0 * ((0.5 * half_turns + _WHOLE) - _WHOLE))
+    # An odd number of half turns changes both signs.
+    turns = (0.5 * half_turns + _WHOLE) - _WHOLE
+    sign = 1.0 - 2.0 * abs(half_turns - 2.0 * turns)
     c = cosine if quarter == 0.0 else -quarter * sine
     s = sine if quarter == 0.0 else quarter * cosine
     return sign * c, sign * s

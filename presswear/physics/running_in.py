@@ -30,7 +30,7 @@ class RunningIn(NamedTuple):
         """Return the depth that wears off, m, where Archard's law takes off ``archard``, m.
 
         h_0 x + h_0 ln[1 + (rho - 1) exp(-h / h_0) (1 - exp(-x))] with x = archard / h_0;
-        bumps that stand out of the round surface, h < 0, wear as a new one.
+        bumps that stand out of the round surface, h < 0, wear as a new surface.
         """
         x = archard / self.depth
         excess = (self.ratio - 1.0) * np.exp(-np.maximum(depth, 0.0) / self.depth)
@@ -92,7 +92,7 @@ def worn_off(laws: Laws, depth: Array, archard: Array) -> Array:
 def archard_depth(laws: Laws, depth: Array) -> Array:
     """Return the depth that Archard's law with K_inf takes off new surfaces, m.
 
-    ``depth`` is the worn depth that surfaces which run in have then, m, shape
+    ``depth`` is the depth by which surfaces that run in wear meanwhile, m, shape
     (..., joints, 2, bins).
     """
     if not any(laws):

@@ -16,7 +16,7 @@ from presswear.tools.quantities import written
 
 # Instants of the cycle over which a torque is averaged, without corners of loads
 _INSTANTS = 2880
-# Instants of the cycle before, through which the modes of loads are followed
+# Instants of the first cycle, at whose end the loads have their modes
 _INSTANTS_BEFORE = 360
 
 

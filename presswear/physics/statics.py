@@ -63,10 +63,10 @@ class _Rest:
                 "deflection needs a linkage whose ideal joints hold each body just once"
             )
         self.position = self.ideal.at(np.array([time])).position[0]
-        self.packed = pack(replace(linkage, loads=linkage.constant_loads))
+        resting = replace(linkage, loads=linkage.constant_loads)
+        self.packed = pack(resting)
         self.tolerance = ROUND_OFF * self.ideal.rows.size
         self._onset = np.zeros(len(linkage.clearances))
-        resting = replace(linkage, loads=linkage.constant_loads)
         self._forces = BodyForces(resting, self.packed, self._onset)
         self.contacts = self._forces.contacts
         self._linkage = linkage
@@ -80,10 +80,9 @@ class _Rest:
         """Return the present position with its contacts."""
         q = self.position[np.newaxis]
         still = self._still[np.newaxis]
-        height = Motion(np.array([self._time]), q, still, still).output(self._linkage)[
-            0, 0
-        ]
-        return Equilibrium(self.position, float(height), self.contacts)
+        motion = Motion(np.array([self._time]), q, still, still)
+        height = float(motion.output(self._linkage)[0, 0])
+        return Equilibrium(self.position, height, self.contacts)
 
     def move(self, offsets: Array) -> None:
         """Move all bodies to offsets in the joints, shape (joints, 2), m.
@@ -145,6 +144,23 @@ def _reach(linkage: Linkage, joints: Records, size: Array) -> tuple[Array, Array
     return clearance, (size / np.array(stiffness)) ** (1.0 / np.array(exponent))
 
 
+def _estimated_offsets(
+    at_rest: _Rest, direction: Array, clearance: Array, depth: Array
+) -> Array:
+    """Move the joints near their equilibrium; return the offsets, (joints, 2), m.
+
+    ``direction`` holds the unit vectors of the joint forces, (joints, 2). Wear adds to
+    the clearance, so that three steps bring each pin to its penetration ``depth``, m.
+    """
+    distance = clearance.copy()
+    for _ in range(3):
+        offsets = direction * distance[:, np.newaxis]
+        at_rest.move(offsets)
+        stretch = np.hypot(*offsets[len(at_rest.contacts) :].T)
+        distance += depth - np.concatenate([at_rest.contacts["penetration"], stretch])
+    return offsets
+
+
 def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibrium:
     """Return a linkage at rest under a force on its output point, N, with fixed drives."""
     from scipy.optimize import root  # slow to import
@@ -154,31 +170,26 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     size = np.hypot(*needed.T)
     # A joint without a force has no offset.
     loaded = size > 1e-9 * max(float(size.max(initial=0.0)), 1e-9)
-    offsets = np.zeros_like(needed)
+    direction = np.zeros_like(needed)
     if not loaded.any():
-        at_rest.move(offsets)
+        at_rest.move(direction)
         return at_rest.equilibrium()
-    direction = needed[loaded] / size[loaded, np.newaxis]
-    distance, depth = _reach(linkage, at_rest.packed.joints, size)
-    for _ in range(3):  # to the bottom of a worn surface
-        offsets[loaded] = (direction.T * distance[loaded]).T
-        at_rest.move(offsets)
-        stretch = np.hypot(*offsets[len(at_rest.contacts) :].T)
-        distance += depth - np.concatenate([at_rest.contacts["penetration"], stretch])
-    depth = depth[loaded]
+    direction[loaded] = needed[loaded] / size[loaded, np.newaxis]
+    clearance, depth = _reach(linkage, at_rest.packed.joints, size)
+    offsets = _estimated_offsets(at_rest, direction, clearance, depth)
     # A guide has one offset.
     unknown = loaded[:, np.newaxis] & (at_rest.offset_rows >= 0)
     scale = np.broadcast_to(size[:, np.newaxis], unknown.shape)[unknown]
-
     start = offsets[unknown]
-    deepest = float(depth.max())
+    deepest = float(depth[loaded].max())
 
     def residual(x: Array) -> Array:
         offsets[unknown] = start + deepest * (x - 1.0)
         at_rest.move(offsets)
         return np.asarray(at_rest.unbalanced()[unknown] / scale)
 
-    # From ones: differences are parts of an unknown, and one near zero would have none.
+    # ``root`` differences over a part of each unknown, so that none may be zero: x
+    # starts at ones.
     options = {"maxfev": 4000, "eps": DIFFERENCE**2}
     solution = root(residual, np.ones_like(start), tol=1e-15, options=options)
     unbalanced = float(np.abs(residual(solution.x)).max())

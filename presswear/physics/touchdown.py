@@ -142,7 +142,8 @@ def load_crossing(
 def touch_down(
     records: Any, k: int, t: float, closing: float, started_closed: bool
 ) -> None:
-    """Begin a contact: a joint counts as closed while its onset speed is not zero."""
+    """Begin a contact."""
+    # A joint counts as closed while its onset speed is not zero.
     records.onset[k] = max(closing, 1e-300)
     last = records.memory[k]
     last.touchdown_time = t
@@ -202,9 +203,10 @@ def remember(
     last.energy = contact.energy
     last.eccentricity_x = contact.eccentricity_x
     last.eccentricity_y = contact.eccentricity_y
-    over_bearing = contact.turning - joint.map_turns * contact.bearing_spin
-    over_pin = contact.turning - joint.map_turns * contact.pin_spin
-    last.sweep = max(abs(over_bearing), abs(over_pin))
+    # Angular speeds at which the place of contact moves over the maps of the surfaces
+    on_bearing = contact.turning - joint.map_turns * contact.bearing_spin
+    on_pin = contact.turning - joint.map_turns * contact.pin_spin
+    last.sweep = max(abs(on_bearing), abs(on_pin))
 
 
 @compiled

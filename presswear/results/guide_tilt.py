@@ -30,8 +30,8 @@ LEAST_ALLOWED_TILT = 20e-6  # rad
 ALLOWED_TILT = 50e-6  # rad
 STATES = ("free", "one corner", "one face", "two opposite corners", "other")
 _FREE, _CORNER, _FACE, _OPPOSITE, _OTHER = range(len(STATES))
-_MIN_ROWS = 8  # rows of a contact from which the series shows its force
-# Instants in a contact with fewer rows, part of its duration
+_MIN_ROWS = 8  # a contact with fewer rows is too short for the series to show its force
+# Instants at which the force of a short contact is computed, fractions of its duration
 _PARTS = np.linspace(0.0, 1.0, 17)[1:-1]
 
 
@@ -55,13 +55,13 @@ class GuideTilt:
 
     @property
     def at_work(self) -> Mapping[str, Estimate]:
-        """Tilts that press makers limit, by the words of their instants."""
-        named = {
+        """Tilts that press makers limit, by the description of the instant."""
+        tilts = {
             "the fracture": self.fracture,
             "the touch of the work": self.touch,
             "bottom dead centre": self.bottom,
         }
-        return {words: tilt for words, tilt in named.items() if tilt is not None}
+        return {instant: tilt for instant, tilt in tilts.items() if tilt is not None}
 
     @property
     def working(self) -> Estimate | None:
@@ -85,40 +85,41 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     forces_of_cycles = _of_corners(scene, stage, guide, "force_max")
     force = mean_of_strokes(forces_of_cycles.max(axis=1))
     if not stage.has_joint_series:
-        return GuideTilt(None, None, None, None, {}, {}, None, force)
+        return GuideTilt(
+            touch=None,
+            fracture=None,
+            bottom=None,
+            greatest=None,
+            time_shares={},
+            load_shares={},
+            friction_loss=None,
+            corner_force=force,
+        )
     strokes = sampled_strokes(scene, stage)
     time = stage.clock
     size = np.abs(tilt_series(stage, guide))
-    at = {
-        name: mean_of_strokes(
-            _value(time, size, getattr(stroke, name)) for stroke in strokes
-        )
-        for name in ("contact", "fracture", "bottom")
-    }
-    greatest = mean_of_strokes(
-        float(size[_rows(time, stroke)].max(initial=0.0)) for stroke in strokes
-    )
+
+    def tilt_at(instants: list[float]) -> Estimate | None:
+        return mean_of_strokes(_value(time, size, instant) for instant in instants)
+
+    greatest = [size[_rows(time, stroke)].max(initial=0.0) for stroke in strokes]
     joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
     friction = scene.bearing(guide.name).friction
     loads = [_load_of(time, joint, friction) for joint in joints]
-    losses = _friction_loss(
-        joints, _of_corners(scene, stage, guide, "load_distance"), time
-    )
-    if losses is None:
-        losses = mean_of_strokes(
-            sum(load.loss(stroke.start, stroke.end) for load in loads)
-            for stroke in strokes
-        )
-    times, forces = _shares(loads, strokes)
+    distances = _of_corners(scene, stage, guide, "load_distance")
+    loss = _friction_loss(joints, distances, time)
+    if loss is None:
+        loss = mean_of_strokes(_loss_in(stroke, loads) for stroke in strokes)
+    time_shares, load_shares = _shares(loads, strokes)
     return GuideTilt(
-        at["contact"],
-        at["fracture"],
-        at["bottom"],
-        greatest,
-        times,
-        forces,
-        losses,
-        force,
+        touch=tilt_at([stroke.contact for stroke in strokes]),
+        fracture=tilt_at([stroke.fracture for stroke in strokes]),
+        bottom=tilt_at([stroke.bottom for stroke in strokes]),
+        greatest=mean_of_strokes(map(float, greatest)),
+        time_shares=time_shares,
+        load_shares=load_shares,
+        friction_loss=loss,
+        corner_force=force,
     )
 
 
@@ -145,9 +146,8 @@ def _friction_loss(
 ) -> Estimate | None:
     """Return the energy that friction takes in a cycle, J, mean over cycles.
 
-    It is the load distance of each corner, which the engine integrates, shape (cycles,
-    corners), times its mean coefficient of friction. None without wear, whose account
-    has the load distance.
+    It is the load distance of each corner, shape (cycles, corners), times its mean
+    coefficient of friction. None without wear, because then it is not integrated.
     """
     if not distances.any():
         return None
@@ -188,16 +188,13 @@ def _load_of(time: Array, joint: JointResult, friction: float) -> _Load:
     spans = joint.spans(time, float(time[-1]))
     first, last = np.searchsorted(time, spans.T, side="right")
     is_short = last - first < _MIN_ROWS
-    # Rows within a contact with enough rows: the sum of starts less ends is positive.
-    starts_less_ends = np.zeros(time.size + 1)
-    np.add.at(starts_less_ends, first[~is_short], 1.0)
-    np.add.at(starts_less_ends, last[~is_short], -1.0)
-    rows = np.cumsum(starts_less_ends[:-1]) > 0.0
-    short = np.flatnonzero(is_short[: joint.contact("peak_force").size])
+    rows = _rows_between(first[~is_short], last[~is_short], time.size)
+    peaks = joint.contact("peak_force")
+    # A contact that continues at the end of the series has no recorded peak force.
+    short = np.flatnonzero(is_short[: peaks.size])
     begin, end = spans[short].T
     inner = begin[:, np.newaxis] + np.outer(end - begin, _PARTS)
-    peaks = joint.contact("peak_force")[short]
-    waves = np.outer(peaks, np.sin(np.pi * _PARTS)).ravel()
+    waves = np.outer(peaks[short], np.sin(np.pi * _PARTS)).ravel()
     speeds = np.abs(np.interp(inner.ravel(), time, joint.sliding))
     ends = spans.ravel()
     zero = np.zeros(ends.size)
@@ -209,12 +206,28 @@ def _load_of(time: Array, joint: JointResult, friction: float) -> _Load:
     return _Load(spans, times[order], forces[order], powers[order])
 
 
+def _rows_between(
+    first: NDArray[np.int64], last: NDArray[np.int64], size: int
+) -> NDArray[np.bool_]:
+    """Return whether each of ``size`` rows lies in a range ``first[k]:last[k]``."""
+    changes = np.zeros(size + 1)  # of the number of ranges that contain a row
+    np.add.at(changes, first, 1.0)
+    np.add.at(changes, last, -1.0)
+    return np.cumsum(changes[:-1]) > 0.0
+
+
+def _loss_in(stroke: SampledStroke, loads: list[_Load]) -> float:
+    """Return the energy that friction takes at all corners in a stroke, J."""
+    return sum(load.loss(stroke.start, stroke.end) for load in loads)
+
+
 def _shares(
     loads: list[_Load], strokes: list[SampledStroke]
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return the shares of time and of load of each state that occurs."""
     knots = np.unique(np.concatenate([load.time for load in loads]))
-    shares: list[list[Array]] = [[], []]
+    time_shares: list[Array] = []
+    load_shares: list[Array] = []
     for stroke in strokes:
         inside = knots[(knots > stroke.start) & (knots < stroke.end)]
         edges = np.array([stroke.start, *inside, stroke.end])
@@ -222,17 +235,22 @@ def _shares(
         step = np.diff(edges)
         state = _states([_is_within(load.spans, middle) for load in loads])
         force = np.sum([load.at(middle) for load in loads], axis=0)
-        for rows, weight in zip(shares, (step, step * force), strict=True):
-            sums = np.bincount(state, weight, len(STATES)).astype(np.float64)
-            rows.append(sums / sums.sum() if sums.sum() > 0.0 else sums)
-    times, forces = (_means(rows) for rows in shares)
-    return times, forces
+        time_shares.append(_share_of_states(state, step))
+        load_shares.append(_share_of_states(state, step * force))
+    return _means(time_shares), _means(load_shares)
+
+
+def _share_of_states(state: NDArray[np.int64], weight: Array) -> Array:
+    """Return the part of a weight in each state; zeros if the weight is zero."""
+    sums = np.bincount(state, weight, len(STATES)).astype(np.float64)
+    return sums / sums.sum() if sums.sum() > 0.0 else sums
 
 
 def _means(rows: list[Array]) -> dict[str, Estimate]:
-    """Return the means over strokes of the states that occur."""
-    values = zip(STATES, np.array(rows).reshape(-1, len(STATES)).T, strict=True)
-    means = means_by_name({name: shares for name, shares in values if shares.any()})
+    """Return the means over strokes, a row each, of the states that occur."""
+    columns = np.array(rows).reshape(-1, len(STATES)).T
+    by_state = dict(zip(STATES, columns, strict=True))
+    means = means_by_name({name: c for name, c in by_state.items() if c.any()})
     return {name: _at_most_one(mean) for name, mean in means.items()}
 
 
@@ -264,10 +282,9 @@ def _states(closed: list[NDArray[np.bool_]]) -> NDArray[np.int64]:
 
 
 def self_locking(scene: Scene) -> dict[str, tuple[float, float]]:
-    """Return friction and its limit L / (2 a) by guide, where off-centre work jams the slide.
-
-    The force F of the work at a distance a is borne by two opposite corners with F a /
-    L each. Their friction exceeds F where its coefficient is above L / (2 a).
+    """Return the guides that off-centre work jams, with their friction and its limit.
+    Two opposite corners bear the force F of the work at a distance a, with F a / L each.
+    Their friction exceeds F if its coefficient is above the limit L / (2 a).
     """
     offset = 0.0 if scene.process is None else abs(scene.process.offset)
     body = scene.base_linkage.output.body

@@ -51,7 +51,7 @@ _LEVELS = np.array([0.025, 0.5, 0.975])
 _STROKES = 401  # even nodes of the distribution of the life
 _LEAST_ERROR = 1e-4  # smallest error of ln(strokes) that is resolved
 _SMALLEST = 1e-300  # strokes, against division by zero
-# Greatest part of the strokes ahead in those so far, by which the scatter may grow
+# Largest ratio of remaining to past strokes up to which the scatter grows
 _MOST_AHEAD = 100.0
 # Quantities that the wear of one joint changes
 _OF_ONE_JOINT = (*QUANTITIES.values(), "tilt")

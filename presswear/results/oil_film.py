@@ -1,8 +1,8 @@
-"""Oil film in the joints: does the assumption of dry contact hold?
+"""Check of the assumption of dry contact: the oil films in joints that run dry.
 
-Of joints whose film does not act in the run. The forces with all joints closed, and
-the speeds of the bodies, move the pin of each joint on a film of oil, by wedge and
-squeeze (``physics.oil_film``), until its orbit repeats itself.
+The forces with all joints closed, and the speeds of the bodies, move the pin of each
+joint on a film of oil, by wedge and squeeze (``physics.oil_film``), until its orbit
+repeats itself. Joints whose film acts in the run are left out.
 """
 
 import math
@@ -34,7 +34,7 @@ from presswear.tools.numbers import percent, quantity_text, readable
 OIL_CLEARANCES = 1.5, 2.5
 # Per mille of the bore, with grease. In a wider bearing no film carries.
 WIDEST_CLEARANCE = 2.0 * OIL_CLEARANCES[1]
-FULL_FILM = 3.0  # film over the roughness of both surfaces from which they do not touch
+FULL_FILM = 3.0  # least film without contact, over the roughness of both surfaces
 ASSUMES = (
     "The film assumes a rigid bearing that is full of oil of this viscosity; with grease, or "
     "with little oil, the joint is nearer to dry contact"
@@ -50,7 +50,7 @@ class JointFilm:
     orbit: FilmOrbit
     clearance: float  # m
     roughness: float  # R_q of both surfaces together, m
-    # Mean power that the oil takes; in the run also the asperities, W
+    # Mean power that the oil dissipates, W; in the run with that of the asperities
     loss: float = 0.0
 
     @property
@@ -79,23 +79,21 @@ class JointFilm:
         return self.time_shares[0]
 
     def _shares(self, weights: Array) -> tuple[float, float, float]:
-        """Return shares of a weight over the time: the instants are not evenly spaced."""
+        """Return the shares of the integral of a weight in the three states."""
         is_full = self.thickness > FULL_FILM * self.roughness
         is_dry = self.thickness < self.roughness
         total = float(np.trapezoid(weights, self.angle))
         if total == 0.0:
             return self.time_shares
-        full, dry = (
-            float(np.trapezoid(weights * state, self.angle)) / total
-            for state in (is_full, is_dry)
-        )
+        full = float(np.trapezoid(weights * is_full, self.angle)) / total
+        dry = float(np.trapezoid(weights * is_dry, self.angle)) / total
         return full, max(1.0 - full - dry, 0.0), dry
 
 
 def oil_films(scene: Scene) -> dict[str, JointFilm]:
-    """Return the films over a cycle after the run-up, of clearance joints in which one carries.
+    """Return the films over a cycle after the run-up, by joint; only films that carry.
 
-    None if the forces need user laws that are not trusted.
+    The result is empty if the forces need user laws that are not trusted.
     """
     return {} if scene.has_untrusted_loads else _films(scene)
 
@@ -124,16 +122,16 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
     """Return the film of a joint."""
     time, forces = ideal_forces(scene)
     velocity = scene.ideal.at(time).velocity
-    linkage = scene.loaded
-    first, second = (
-        np.zeros(time.size)
-        if end.body == GROUND
-        else velocity[:, 3 * linkage.index(end.body) + 2]
-        for end in pin.ends
-    )
+    spins = []
+    for end in pin.ends:
+        if end.body == GROUND:
+            spins.append(np.zeros(time.size))
+        else:
+            spins.append(velocity[:, 3 * scene.loaded.index(end.body) + 2])
+    first, second = spins
     load = FilmLoad(
         np.append(time, time[0] + scene.mechanism.period),
-        # The force is on the bearing, and each of parallel rods bears its part.
+        # ``ideal_forces`` returns the force on the bearing. Parallel rods share it.
         _cycle(-forces[pin.name] / bearing.parallel_rods),
         _cycle(first + second),
     )
@@ -158,7 +156,7 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
 
 
 def shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
-    """Return the power that shears the oil of one rod, W, at spins of the pin in its bearing."""
+    """Return the power of shear in the oil of a rod, W, at relative speeds ``spin``, rad/s."""
     sizes = bearing.width, bearing.bearing_radius, bearing.clearance
     moments = [
         shear_moment(float(gap), float(omega), bearing.viscosity or 0.0, sizes)
@@ -178,7 +176,7 @@ def _relative(bearing: Bearing) -> float:
 
 
 def dry_contact(scene: Scene) -> list[str]:
-    """Return sentences for each clearance joint: does the model of dry contact hold there?"""
+    """Return a paragraph on the validity of dry contact for each clearance joint."""
     paragraphs = []
     for name in scene.loose_pins:
         bearing = scene.bearing(name)
@@ -215,7 +213,7 @@ def _reason(bearing: Bearing) -> str:
 
 
 def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
-    """Return the least film and where it is, and the shares of the states."""
+    """Return sentences on the least film, its place in the cycle, and the states."""
     least = readable(1e6 * float(film.thickness.min()))
     place = film.angle[film.thinnest]
     force = quantity_text(float(film.force[film.thinnest]), "N")

@@ -32,7 +32,7 @@ from presswear.tools.errors import InputError
 CURVE_BYTES = 2**26  # room for the curves of a service life
 _HEADER_BYTES = 2**20  # room for the headers of all arrays
 _BYTES = 8  # bytes of a number
-# Room for other numbers of a cycle: its replicate, deviations and weights
+# Room for further numbers of a cycle: replicate, deviations and weights
 _OTHER_COLUMNS = 8
 _MAPS_OF_JOINT = 8  # room for depths, wear and angles of both sides
 _WALL_ARRAYS = 5  # rows of bins of a guide: places, depths and wear of both walls
@@ -49,27 +49,39 @@ def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
     """Return the largest size of the arrays of a stage, bytes."""
     joints = len(linkage.clearances)
     drives = len(linkage.drives)
-    unspecified = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
-    recorded = scene.recording.recorded_cycles or unspecified
+    default = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
+    recorded = scene.recording.recorded_cycles or default
     run_up_cycles = math.ceil(scene.run_up / scene.mechanism.period)
     rows = min((recorded + run_up_cycles) * ROWS_AT_MOST, ROWS_IN_ALL)
     contacts = joints * recorded * CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
-    # Two sets of replicates, the second with surfaces of their own
+    # There are two sets of replicates. Each replicate of the second has its surfaces.
     cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
     bins = max((joint.bins for joint in linkage.clearances), default=0)
-    sections = scene.recording.sections * (2 + len(SECTION_JOINT_NAMES) * joints)
-    has_leader = linkage.leader is not None
-    films = len(linkage.oiled_joints)
-    width = cycle_columns(joints, drives, has_leader, films) + sections
+    width = _cycle_columns_of(linkage)
+    width += scene.recording.sections * _section_columns_of(linkage)
     # Each cycle may have a wear map.
     width += _OTHER_COLUMNS + joints * (1 + len(SIDES) * bins)
     walls = _WALL_ARRAYS * WALL_BINS * len(linkage.worn_guides)
-    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints + drives
-    series += LEADER_SERIES_COUNT
-    series += len(linkage.elastic_joints) + 2 * drives
+    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints
+    series += LEADER_SERIES_COUNT + len(linkage.elastic_joints) + 3 * drives
     maps = _MAPS_OF_JOINT * joints * bins + walls
     numbers = rows * series + contacts + cycles * width + maps
     return _HEADER_BYTES + _BYTES * numbers
+
+
+def _cycle_columns_of(linkage: Linkage) -> int:
+    """Return the number of columns of the array of cycles."""
+    return cycle_columns(
+        len(linkage.clearances),
+        len(linkage.drives),
+        linkage.leader is not None,
+        len(linkage.oiled_joints),
+    )
+
+
+def _section_columns_of(linkage: Linkage) -> int:
+    """Return the number of columns of a Poincare section."""
+    return 2 + len(SECTION_JOINT_NAMES) * len(linkage.clearances)
 
 
 # Shape of an array. Lengths with the same name are equal.
@@ -98,11 +110,8 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
 
 def _shapes_of_stage(scene: Scene, linkage: Linkage) -> dict[str, Shape]:
     """Return the shapes of the arrays of a stage that are not of one joint, by name."""
-    joints = len(linkage.clearances)
     drives = len(linkage.drives)
-    section = 2 + len(SECTION_JOINT_NAMES) * joints
-    has_leader = linkage.leader is not None
-    columns = cycle_columns(joints, drives, has_leader, len(linkage.oiled_joints))
+    sections = scene.recording.sections
     return {
         "time": ("time",),
         "clock": ("time",),
@@ -113,9 +122,9 @@ def _shapes_of_stage(scene: Scene, linkage: Linkage) -> dict[str, Shape]:
         "drive_speed": ("time", drives),
         "stretch": ("time", len(linkage.elastic_guides)),
         "pin_stretch": ("time", len(linkage.elastic_pins)),
-        "cycles": ("cycles", columns),
+        "cycles": ("cycles", _cycle_columns_of(linkage)),
         "cycle_start": ("cycles",),
-        "sections": ("sections", scene.recording.sections, section),
+        "sections": ("sections", sections, _section_columns_of(linkage)),
         "deviation": ("deviation", 4),
         "deviation_start": ("deviation",),
         "wear_batch_cycles": ("wear_batch_cycles",),

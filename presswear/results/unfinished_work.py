@@ -8,7 +8,7 @@ from presswear.results.strokes import motion_of_work, sampled_strokes
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import readable
 
-# Advised height over the least one: with a higher work the press gives way a little more
+# Advised height over the least height, because a larger force deflects the press more
 _MARGIN = 1.02
 _ENDS = {
     "blanking": "The sheet does not break",
@@ -37,13 +37,16 @@ def unfinished_work(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     if not unfinished:
         return []
     highest = max(unfinished)
-    reached, needed, allowed = (
-        f"{readable(1e3 * length)} mm"
-        for length in (process.height - highest, depth, _MARGIN * (highest + depth))
-    )
+    reached = _millimetres(process.height - highest)
+    needed = _millimetres(depth)
+    allowed = _millimetres(_MARGIN * (highest + depth))
     return [
         f"{_ENDS[process.kind]} in {len(unfinished)} of {len(lowest)} strokes: {scene.output} "
         f"goes {reached} deep into the work, which ends at {needed}, because clearance, contacts "
         "and frame give way. Work, torque, pressure and wear are those of an unfinished stroke. "
         f"Use process.height = {allowed} or more, or a stiffer press."
     ]
+
+
+def _millimetres(length: float) -> str:
+    return f"{readable(1e3 * length)} mm"

@@ -16,6 +16,7 @@ from presswear.linkage.friction_settings import (
     WITH_SETTINGS,
     WITHOUT_SETTINGS,
     FrictionSettings,
+    LawSettings,
     friction_settings,
 )
 from presswear.linkage.joints import ELASTIC_JOINT_DAMPING, MAX_STIFFNESS, MIN_STIFFNESS
@@ -59,7 +60,7 @@ _READ_RIGID = {
 NOT_COMMON = "stiffness", "damping_ratio"
 
 Law = str | UserFunction | Callable[..., float]
-# Settings that stand for twice the value of others
+# Settings with twice the value of the settings that they replace
 DIAMETRAL = "diametral_clearance"
 DIAMETER = "diameter"
 DOUBLED = {DIAMETRAL: "clearance", DIAMETER: "bearing_radius"}
@@ -71,7 +72,10 @@ LEAST_CLEARANCE = 1e-9  # m, of a joint with clearance
 
 
 def halved(key: str, value: float | str) -> float | str:
-    """Return half of a value of ``DOUBLED``, m or a text with its unit, as m; a fit as it is."""
+    """Return half of a value of a setting of ``DOUBLED``, m; return a fit unchanged.
+
+    The value is a number, m, or a text with its unit.
+    """
     if key == DIAMETRAL and fit_of(value):
         return value
     return 0.5 * float(DOUBLED_MEANINGS[key].convert(key, value))
@@ -293,27 +297,33 @@ class Bearing(FrictionSettings, DryContact):
         """Raise InputError for settings that the friction law refuses or does not read."""
         user = self.friction_law
         if isinstance(user, UserFunction) and has_state(user):
-            if self.clearance == 0.0 or self.has_film:
-                reason = "clearance = 0" if self.clearance == 0.0 else "film = run"
+            reason = "film = run" if self.has_film else ""
+            if self.clearance == 0.0:
+                reason = "clearance = 0"
+            if reason:
                 raise InputError(
                     f"friction_law = {user}: with {reason} allowed is a law without a state"
                 )
             rate_of(user).parameters("friction_law", RATE_PARAMETERS)
         for law, settings in WITH_SETTINGS.items():
-            if self.friction_law == law:
-                if self.clearance == 0.0:
-                    raise InputError(
-                        f"friction_law = {law}: with clearance = 0 allowed is "
-                        f"{', '.join(WITHOUT_SETTINGS)}"
-                    )
-                settings.check(self, self.friction)
+            if self.friction_law != law:
+                self._check_unset(law, settings)
                 continue
-            for item in fields(settings):
-                value = getattr(self, item.name)
-                if item.default is None and value is not None:
-                    raise InputError(
-                        f"{item.name} = {value:g}: it needs friction_law = {law}"
-                    )
+            if self.clearance == 0.0:
+                raise InputError(
+                    f"friction_law = {law}: with clearance = 0 allowed is "
+                    f"{', '.join(WITHOUT_SETTINGS)}"
+                )
+            settings.check(self, self.friction)
+
+    def _check_unset(self, law: str, settings: type[LawSettings]) -> None:
+        """Raise InputError if a setting of a friction law that is not used has a value."""
+        for item in fields(settings):
+            value = getattr(self, item.name)
+            if item.default is None and value is not None:
+                raise InputError(
+                    f"{item.name} = {value:g}: it needs friction_law = {law}"
+                )
 
     def _check_wear_law(self) -> None:
         """Raise InputError for numbers that a user wear law does not read, and K_d = 0."""

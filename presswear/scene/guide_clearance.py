@@ -48,8 +48,10 @@ def corners_of(
     _, width = guide.size
     normal = _corner_normal(bearing)
     radius = 0.5 * width + bearing.clearance
-    return tuple(
-        GuideCorner(
+    left_wall, right_wall = walls
+    corners = []
+    for name, (along, side) in CORNERS.items():
+        corner = GuideCorner(
             f"{guide.name} {name}",
             *corner_ends(guide, along, side),
             radius,
@@ -59,12 +61,12 @@ def corners_of(
             bearing.friction_parameters,
             map_frame="fixed",
             contact="radial",
-            bearing_surface=walls[0 if side > 0.0 else 1],
+            bearing_surface=left_wall if side > 0.0 else right_wall,
             guide=guide,
             side=side,
         )
-        for name, (along, side) in CORNERS.items()
-    )
+        corners.append(corner)
+    return tuple(corners)
 
 
 def _corner_normal(bearing: Bearing) -> NormalLaw:

@@ -83,7 +83,7 @@ def _check_reach(
     deepest_walls: Mapping[str, float],
     contact: SurfaceContact,
 ) -> None:
-    """Raise InputError if no limit can be exceeded by the wear up to which the model holds."""
+    """Raise InputError if the model does not hold up to any of the limits."""
     for limit in limits:
         if limit.value < _greatest_value(limit, pins, deepest_walls, contact):
             return

@@ -107,7 +107,7 @@ class LoadedLinkage(BearingJoints):
     def lift(self) -> float:
         """Height above the touch of the work at which a stroke is over, m.
 
-        It is half of the distance from there to upper dead centre; 0 without a process.
+        It is half of the distance from the touch to top dead centre; 0 without a process.
         """
         if self.process is None:
             return 0.0
@@ -152,4 +152,5 @@ class LoadedLinkage(BearingJoints):
         """Name of the body of the output point in a sentence: ``the slider``, ``link 7``."""
         body = self.mechanism.linkage().output.body
         name = "slider" if body.startswith("slider") else body
+        # A name with a number or a capital letter at its end has no article.
         return f"the {name}" if name[-1].islower() else name

@@ -247,17 +247,7 @@ class Life(Checked):
                 f"{comma[0].replace(',', '.')!r}"
             )
         for text in map(str.strip, self.until.split(",")):
-            match = _LIMIT.match(text)
-            if match is None:
-                names = ", ".join(LIFE_QUANTITIES)
-                raise InputError(
-                    f"until = {text!r}: NAME > VALUE is expected, such as "
-                    f"'depth > 0.05 mm'; names are {names}"
-                )
-            specified, name, size = match.groups()
-            name = _ALIASES.get(name, name)
-            if name not in LIFE_QUANTITIES:
-                raise unknown("number in until", name, (*_ALIASES, *LIFE_QUANTITIES))
+            specified, name, size = _parse_limit(text)
             for joint in _joints_of_limit(text, specified, name, names_of_kind):
                 if name == "tilt":
                     new = tilts[joint]
@@ -284,11 +274,11 @@ class Life(Checked):
         services = []
         joints = (*pins, *guides)
         for key, text in (("replaced", self.replaced), ("rotated", self.rotated)):
+            is_rotated = key == "rotated"
             for part in filter(None, map(str.strip, text.split(","))):
                 joint, strokes = self._parse_service(key, part)
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
-                is_rotated = key == "rotated"
                 is_guide = joint in guides
                 if is_rotated and is_guide:
                     raise InputError(
@@ -307,6 +297,25 @@ class Life(Checked):
         if strokes >= self.at_most:
             raise InputError(f"{label}: allowed is below at_most = {self.at_most:g}")
         return joint, strokes
+
+
+def _parse_limit(text: str) -> tuple[str | None, str, str]:
+    """Return joint, quantity and value of a text such as A.depth > 0.05 mm.
+
+    The joint is None if the limit is for all joints.
+    """
+    match = _LIMIT.match(text)
+    if match is None:
+        names = ", ".join(LIFE_QUANTITIES)
+        raise InputError(
+            f"until = {text!r}: NAME > VALUE is expected, such as "
+            f"'depth > 0.05 mm'; names are {names}"
+        )
+    joint, name, size = match.groups()
+    name = _ALIASES.get(name, name)
+    if name not in LIFE_QUANTITIES:
+        raise unknown("number in until", name, (*_ALIASES, *LIFE_QUANTITIES))
+    return joint, name, size
 
 
 def _joints_of_limit(

@@ -19,8 +19,7 @@ from presswear.tools.quantities import Quantity
 from presswear.tools.symbols import SYMBOLS
 from presswear.tools.units import UNITS
 
-FILE = "presswear.schema.json"
-"""Name of the schema beside the files of ``presswear new``."""
+FILE = "presswear.schema.json"  # the schema beside the files of ``presswear new``
 
 _NUMBER = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 _FIT = r"[Øø⌀]?\s*[0-9.]*\s*[A-Z]{1,2}[0-9]+\s*/\s*[a-z]{1,2}[0-9]+"
@@ -42,8 +41,8 @@ def scene_schema() -> Node:
     for kind, mechanism in MECHANISMS.items():
         mechanisms[kind] = _fields(mechanism())
     all_settings = bearing | _properties(settings_in(scene))
-    for properties in mechanisms.values():
-        all_settings |= properties
+    for settings in mechanisms.values():
+        all_settings |= settings
     tables = {
         "process": _table_of_kinds(PROCESSES),
         "life": _table_of_kinds(LIVES),
@@ -51,31 +50,31 @@ def scene_schema() -> Node:
         MOTOR: _table(_fields(Motor(torque=0.0))),
     }
     of_bodies = {"type": "object", "required": ["bodies"]}
-    kinds = [_kind(kind, properties) for kind, properties in mechanisms.items()]
+    kinds = [_kind(kind, settings) for kind, settings in mechanisms.items()]
+    bearings = bearing | {"joints": all_settings["joints"]}
+    properties = {
+        "title": _text("title of the report"),
+        "mechanism": {"anyOf": [*kinds, of_bodies, {"enum": [*mechanisms]}]},
+        "bearings": _table(bearings, _table(bearing)),
+        "limits": _table({key: bearing[key] for key in _LIMITS}),
+        "settings": _table(all_settings, _table(bearing)),
+        "surfaces": _text("file of measured surfaces, .csv"),
+        "sweep": _ANY | {"description": "values that presswear sweep varies"},
+    }
     schema: Node = {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Scene of presswear",
         "type": "object",
         "additionalProperties": False,
-        "properties": {
-            "title": {"type": "string", "description": "title of the report"},
-            "mechanism": {"anyOf": [*kinds, of_bodies, {"enum": [*mechanisms]}]},
-            "bearings": _table(
-                bearing | {"joints": all_settings["joints"]}, _table(bearing)
-            ),
-            "limits": _table({key: bearing[key] for key in _LIMITS}),
-            "settings": _table(all_settings, _table(bearing)),
-            "surfaces": {
-                "type": "string",
-                "description": "file of measured surfaces, .csv",
-            },
-            "sweep": _ANY | {"description": "values that presswear sweep varies"},
-            **tables,
-        },
+        "properties": properties | tables,
     }
     definitions: dict[str, Node] = {}
     schema = _with_references(schema, definitions, {})
     return schema | {"definitions": definitions}
+
+
+def _text(description: str) -> Node:
+    return {"type": "string", "description": description}
 
 
 def _with_references(
@@ -161,10 +160,11 @@ def _value(meaning: Quantity | Choice, value: Any) -> Node:
     units: list[str] = []
     for name in meaning.unit.split(" or "):
         units += UNITS.get(name, [name])
-    listed = "|".join(map(_pattern_of, sorted(units, key=len, reverse=True)))
+    # A long unit comes before a short unit with which it begins.
+    unit_pattern = "|".join(map(_pattern_of, sorted(units, key=len, reverse=True)))
     pi = r"\s*(pi)?" if "rad" in meaning.unit else ""
-    pattern = rf"^\s*({_NUMBER}{pi}\s*({listed})|[+-]?0|none)\s*$"
-    zero = {"minimum": 0.0, "maximum": 0.0}  # needs no unit
+    pattern = rf"^\s*({_NUMBER}{pi}\s*({unit_pattern})|[+-]?0|none)\s*$"
+    zero = {"minimum": 0.0, "maximum": 0.0}  # the only number that needs no unit
     return node | {"type": ["string", "number"], "pattern": pattern} | zero
 
 

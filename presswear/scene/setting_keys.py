@@ -22,7 +22,7 @@ _DOUBLED = re.compile(rf"(?:^|(?<=\.))({'|'.join(DOUBLED)})$")
 
 
 def setting_of(scene: Scene, key: str) -> Setting:
-    """Return the setting with a key, also one of a single joint; raise InputError for none."""
+    """Return the setting with a key; raise InputError if the scene does not have the key."""
     settings = settings_by_key(scene)
     name = name_of_key(key)
     if name not in settings:
@@ -33,11 +33,13 @@ def setting_of(scene: Scene, key: str) -> Setting:
 def name_of_key(key: str) -> str:
     """Return a key with the name of the setting in place of its symbol.
 
-    The name of the table that holds it in a file may stand before it. The law in the
-    table of a user law has the key of the table, and numbers of a law have no symbols.
+    The key may begin with the name of its table in a file, which is left out. The law in
+    the table of a user law has the key of the table, and numbers of a law have no symbols.
     """
     table, _, rest = key.partition(".")
-    first, dot, last = (rest if table in TABLES and rest else key).rpartition(".")
+    if table in TABLES and rest:
+        key = rest
+    first, dot, last = key.rpartition(".")
     if first.rpartition(".")[2] in LAWS:
         return first if last == "law" else f"{first}.{last}"
     return f"{first}{dot}{SYMBOLS.get(last, last)}"
@@ -61,7 +63,7 @@ def check_keys(scene: Scene, keys: Iterable[str]) -> None:
 
 
 def radial_name(key: str) -> str:
-    """Return a key; that of the radius or the radial clearance for one of ``DOUBLED``."""
+    """Return a key with radius or radial clearance in place of a setting of ``DOUBLED``."""
     return _DOUBLED.sub(lambda match: DOUBLED[match[1]], key)
 
 
@@ -72,43 +74,46 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     ``process``.
     """
     first, _, last = name_of_key(key).rpartition(".")
-    if last in DOUBLED:
-        of_what = "diametral clearance" if last == DIAMETRAL else "diameter"
-        return InputError(f"{key}: use {radial_name(key)}, which is half the {of_what}")
-    if first in (MOTOR, SERVO) and first not in allowed:
-        advice = ""
-        if isinstance(scene.mechanism, Linkage):
-            advice = f"; specify the {MOTOR} of a drive in mechanism.drives"
-        kind = scene.mechanism.kind
-        return InputError(f"{key}: mechanism {kind} has no {first}{advice}")
-    if not first and last in NOT_COMMON:
-        joint = scene.mechanism.linkage().revolutes[-1].name
-        return InputError(f"{key}: name the joint, for example {joint}.{last}")
-    part = allowed.get(first)
-    if part is not None and part.value == NONE:
-        kinds = [word for word in cast(Choice, part.meaning).words if word != NONE]
-        needed = f"it needs {first} = {', '.join(kinds)}"
-        return InputError(f"{key}: {first} = {NONE}; {needed}")
-    if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
-        return InputError(
-            f"{key}: joint {first} has no clearance; joints = {scene.joints}"
-        )
+    reason = _reason_for_absence(scene, key, allowed)
+    if reason:
+        return InputError(f"{key}: {reason}")
     is_joint = first in scene.bearing_joints
+    part = allowed.get(first)
     inner = [name[len(first) + 1 :] for name in allowed if name.startswith(f"{first}.")]
     if part is not None and inner:
         return unknown(f"key of {first}", last, inner)
     if part is None and not is_joint and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
+    if absent := not_modelled(key):
+        return InputError(f"unknown key {shown(key)}. {absent}")
     if is_joint:
         names = [f"{first}.{name}" for name in (*inner, *DOUBLED)]
     else:
-        names = [
-            name
-            for name in allowed
-            if name.rpartition(".")[0] not in scene.bearing_joints
-        ]
-    if absent := not_modelled(key):
-        return InputError(f"unknown key {shown(key)}. {absent}")
+        joints = scene.bearing_joints
+        names = [name for name in allowed if name.rpartition(".")[0] not in joints]
     hint = nearest(key, [*names, *DOUBLED, *SYMBOLS])
-    others = "; presswear list SCENE --all shows all keys"
-    return InputError(f"unknown key {shown(key)}{hint or others}")
+    advice = "; presswear list SCENE --all shows all keys"
+    return InputError(f"unknown key {shown(key)}{hint or advice}")
+
+
+def _reason_for_absence(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> str:
+    """Return why a scene does not have a key of presswear; empty for any other key."""
+    first, _, last = name_of_key(key).rpartition(".")
+    if last in DOUBLED:
+        of_what = "diametral clearance" if last == DIAMETRAL else "diameter"
+        return f"use {radial_name(key)}, which is half the {of_what}"
+    if first in (MOTOR, SERVO) and first not in allowed:
+        advice = ""
+        if isinstance(scene.mechanism, Linkage):
+            advice = f"; specify the {MOTOR} of a drive in mechanism.drives"
+        return f"mechanism {scene.mechanism.kind} has no {first}{advice}"
+    if not first and last in NOT_COMMON:
+        joint = scene.mechanism.linkage().revolutes[-1].name
+        return f"name the joint, for example {joint}.{last}"
+    part = allowed.get(first)
+    if part is not None and part.value == NONE:
+        kinds = [word for word in cast(Choice, part.meaning).words if word != NONE]
+        return f"{first} = {NONE}; it needs {first} = {', '.join(kinds)}"
+    if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
+        return f"joint {first} has no clearance; joints = {scene.joints}"
+    return ""

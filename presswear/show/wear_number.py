@@ -53,7 +53,7 @@ def _place_text(scene: Scene, stage: StageResult, place: tuple[str, str]) -> str
         text += f" New surfaces wear {materials.running_in:g} times as fast."
     if materials.pressure_exponent != 1.0:
         reference = written(materials.pressure_reference, "Pa")
-        text += " It grows as the pressure to the power of "
+        text += " Wear grows as the pressure to the power of "
         text += f"{materials.pressure_exponent:g}, and the coefficient is that at {reference}."
     if (law := scene.bearing(name).wear_law) != ARCHARD:
         text += f" The {law} changes this coefficient."

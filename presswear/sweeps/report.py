@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 import matplotlib
@@ -16,7 +17,10 @@ from presswear.sweeps.analysis import Analysis, analyze, failed_text, percent_te
 from presswear.sweeps.figures import drawings
 from presswear.sweeps.parameters import Column, Display
 from presswear.sweeps.plan import Plan, Table
+from presswear.sweeps.response_distribution import Spread
 from presswear.sweeps.response_limits import ResponseLimit
+from presswear.sweeps.response_points import Points
+from presswear.sweeps.sensitivity import Sensitivity
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
@@ -39,51 +43,57 @@ def write_report(
     answers = []
     numbers = []
     for number, (name, part) in enumerate(_parts(table, plan).items()):
-        into = inside(folder, "figures", *([f"{number}"] if name else []))
+        part_folder = [f"{number}"] if name else []
+        figure_folder = inside(folder, "figures", *part_folder)
+        place = f" at {name}" if name else ""
+        start = f"At {name}: " if name else ""
         files = []
         for column in table.responses:
             if not np.isfinite(part.values[:, part.index(column.key)]).any():
                 continue
             analysis = analyze(part, column.key, plan, limits.get(column.key))
-            label = f"{column.key} at {name}" if name else column.key
-            answers += [
-                f"At {name}: {line}" if name else line for line in findings(analysis)
-            ]
+            label = f"{column.key}{place}"
+            answers += [f"{start}{line}" for line in findings(analysis)]
             if analysis.points.means[analysis.points.has_value].any():
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
-                drawn = page.illustrated(drawings(analysis), into)
-            files += [figure.file for figure in drawn]
+                figures = page.illustrated(drawings(analysis), figure_folder)
+            files += [figure.file for figure in figures]
+            is_open = len(sections) < OPEN_SECTIONS
+            tables = result_tables(analysis)
+            text = (f"{column.text}.",)
             sections.append(
-                Section(
-                    label,
-                    (f"{column.text}.",),
-                    result_tables(analysis),
-                    drawn,
-                    analysis.notes,
-                    is_open=len(sections) < OPEN_SECTIONS,
-                )
+                Section(label, text, tables, figures, analysis.notes, is_open)
             )
-        remove_others(into, files)
-    figures = [figure for section in sections for figure in section.figures]
+        remove_others(figure_folder, files)
     write_bytes(folder / ROWS_FILE, table.csv().encode())
-    count = whole(len(table.errors))
-    failed = sum(map(bool, table.errors))
-    status = f"{count} runs at {whole(len(plan.points))} points"
-    status += f", {plan.remark}" if plan.remark else ""
     html = page.render_page(
         f"Sweep: {title_of(plan.scene)}",
-        page.FirstScreen(
-            status=status + (f", {whole(failed)} without values." if failed else "."),
-            style="unfinished" if failed else "completed",
-            key_numbers=numbers[:MAX_NUMBERS],
-            picture=figures[0] if figures else None,
-        ),
+        _first_screen(table, plan, numbers, sections),
         [*sections, *_table_sections(table, plan)],
         answers,
     )
     write_bytes(folder / REPORT, html.encode())
     return folder / REPORT
+
+
+def _first_screen(
+    table: Table, plan: Plan, numbers: list[page.KeyNumber], sections: list[Section]
+) -> page.FirstScreen:
+    """Return the status, the first numbers and the first figure."""
+    failed = sum(map(bool, table.errors))
+    parts = [f"{whole(len(table.errors))} runs at {whole(len(plan.points))} points"]
+    if plan.remark:
+        parts.append(plan.remark)
+    if failed:
+        parts.append(f"{whole(failed)} without values")
+    pictures = chain.from_iterable(section.figures for section in sections)
+    return page.FirstScreen(
+        status=f"{', '.join(parts)}.",
+        style="unfinished" if failed else "completed",
+        key_numbers=numbers[:MAX_NUMBERS],
+        picture=next(pictures, None),
+    )
 
 
 def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
@@ -107,11 +117,12 @@ def _table_sections(table: Table, plan: Plan) -> Iterator[Section]:
 
 
 def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
-    """Return the range of a response over the points, and what it depends on most."""
+    """Return the range of a response over the points, and its most important parameter."""
     points = analysis.points
     result = analysis.sensitivity
     shown = Display(points.response, points.means)
-    low, high = (shown.number(pick(points.means)) for pick in (np.nanmin, np.nanmax))
+    low = shown.number(np.nanmin(points.means))
+    high = shown.number(np.nanmax(points.means))
     meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
     meaning += (
         f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
@@ -123,7 +134,11 @@ def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
 
 
 def _parts(table: Table, plan: Plan) -> dict[str, Table]:
-    """Return the sample at each combination of the values that it is combined with, by name."""
+    """Return the table by name, divided by the varied values that samples are combined with.
+
+    The name is empty if the table is not divided.
+    """
+    # Parameters with listed values; they follow the sampled parameters.
     crossed = len(plan.columns) - len(plan.distributions)
     if not plan.sample or not crossed:
         return {"": table}
@@ -170,60 +185,66 @@ def findings(analysis: Analysis) -> list[str]:
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
     """Return the tables of a response with their headings."""
     points = analysis.points
-    tables = list[tuple[str, page.Table]]()
+    tables: list[tuple[str, page.Table]] = []
     end = f"; {analysis.failed}" if analysis.failed else ""
     shown = Display(points.response, points.means)
     if 1 < len(points.means) <= FIRST_ROWS:
-        columns = list(map(Display, points.parameters, points.points.T))
-        rows = zip(
-            points.points, points.means, points.half_widths, points.counts, strict=True
-        )
-        lines = []
-        for place, mean, half, count in rows:
-            texts = (
-                column.number(value, 4)
-                for column, value in zip(columns, place, strict=True)
-            )
-            lines.append((*texts, shown.with_half_width(mean, half), whole(count)))
-        head = (*(column.label for column in columns), shown.label, "runs")
-        tables.append(
-            (f"Means with 95 % intervals{end}", page.plain_table(head, lines))
-        )
-    if (result := analysis.sensitivity) is not None:
-        factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
-        lines = []
-        for k in result.order:
-            cells = [points.parameters[k].key]
-            for value, half in zip(
-                result.values[:, k], result.half_widths[:, k], strict=True
-            ):
-                interval = (
-                    "" if math.isnan(half) else f" ± {readable(factor * half, 2)}"
-                )
-                cells.append(f"{readable(factor * value)}{interval}")
-            lines.append(tuple(cells))
-        head = (
-            "parameter",
-            *(f"{name} ({unit})" if unit else name for name in result.names),
-        )
-        tables.append(
-            (f"{result.title} ({result.method}){end}", page.plain_table(head, lines))
-        )
-    if (spread := analysis.spread) is not None:
-        cells = [f"single runs ({shown.unit or '1'})"]
-        for k in (percent - 1 for percent in PERCENTILES):
-            value, low, high = map(
-                shown.number, (spread.values[k], spread.low[k], spread.high[k])
-            )
-            cells.append(f"{value} ({low} to {high})")
-        head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
-        tables.append(
-            (
-                f"Distribution, {spread.source}{end}",
-                page.plain_table(head, [tuple(cells)]),
-            )
-        )
+        tables.append((f"Means with 95 % intervals{end}", _mean_table(points, shown)))
+    result = analysis.sensitivity
+    if result is not None:
+        heading = f"{result.title} ({result.method}){end}"
+        tables.append((heading, _sensitivity_table(result, points, shown)))
+    spread = analysis.spread
+    if spread is not None:
+        heading = f"Distribution, {spread.source}{end}"
+        tables.append((heading, _distribution_table(spread, shown)))
     return tables
+
+
+def _mean_table(points: Points, shown: Display) -> page.Table:
+    """Return the mean of a response at each point, with its interval."""
+    columns = list(map(Display, points.parameters, points.points.T))
+    lines = []
+    for k, values in enumerate(points.points):
+        pairs = zip(columns, values, strict=True)
+        texts = [column.number(value, 4) for column, value in pairs]
+        mean = shown.with_half_width(points.means[k], points.half_widths[k])
+        lines.append((*texts, mean, whole(points.counts[k])))
+    head = (*(column.label for column in columns), shown.label, "runs")
+    return page.plain_table(head, lines)
+
+
+def _sensitivity_table(
+    result: Sensitivity, points: Points, shown: Display
+) -> page.Table:
+    """Return the sensitivity of a response, the most important parameter first."""
+    factor, unit = (100.0, "%") if result.is_share else (shown.factor, shown.unit)
+    end = f" ({unit})" if unit else ""
+    lines = []
+    for k in result.order:
+        cells = [points.parameters[k].key]
+        for value, half in zip(
+            result.values[:, k], result.half_widths[:, k], strict=True
+        ):
+            text = readable(factor * value)
+            if not math.isnan(half):
+                text += f" ± {readable(factor * half, 2)}"
+            cells.append(text)
+        lines.append(tuple(cells))
+    head = ("parameter", *(f"{name}{end}" for name in result.names))
+    return page.plain_table(head, lines)
+
+
+def _distribution_table(spread: Spread, shown: Display) -> page.Table:
+    """Return quantiles of a response with their intervals."""
+    cells = [f"single runs ({shown.unit or '1'})"]
+    for percent in PERCENTILES:
+        k = percent - 1
+        low = shown.number(spread.low[k])
+        high = shown.number(spread.high[k])
+        cells.append(f"{shown.number(spread.values[k])} ({low} to {high})")
+    head = ("", *(f"{percent} % quantile" for percent in PERCENTILES))
+    return page.plain_table(head, [tuple(cells)])
 
 
 def _ranges(
@@ -238,7 +259,9 @@ def _ranges(
         finite = values[np.isfinite(values[:, k]), k]
         shown = Display(column, finite)
         scatter = plan.distributions.get(column.key)
-        remark = scatter.text if scatter else ", ".join(column.choices) or NOTHING
+        remark = ", ".join(column.choices) or NOTHING
+        if scatter:
+            remark = scatter.text
         if table is not None and table.censored[:, k].any():
             remark = f"{int(table.censored[:, k].sum())} lower bounds"
         count = len(np.unique(finite)) if table is None else len(finite)

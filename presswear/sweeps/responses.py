@@ -1,14 +1,14 @@
 """Responses: numbers of a result that a sweep stores, by name.
 
 ``A.force_max`` is a number of joint A in the last stage, ``A.force_max@0`` in the
-unworn stage. A recorded number with a mean is a response by its name; another one is an
-entry of `RESPONSES`.
+unworn stage. `RESPONSES` defines all responses. They include the mean of each recorded
+number that has a mean.
 """
 
 import inspect
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -39,9 +39,9 @@ Needed = Literal[
 class Definition(NamedTuple):
     """Definition of a response.
 
-    The function gets a result, a stage and a joint. The stage is None for a response of
-    the whole result, the joint for one of a stage. It returns None where the result has
-    no such number.
+    The function gets a result, a stage and a joint. The stage and the joint are None for
+    a response of the whole result, the joint is None for a response of a stage. The
+    function returns None if the result has no such number.
     """
 
     unit: str
@@ -254,22 +254,9 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     functions = []
     for item in responses or in_table:
         if isinstance(item, str):
-            name, _, stage = item.strip().partition("@")
-            if name not in offered:
-                raise unknown("response", name, offered)
-            definition = offered[name]
-            key = name
-            if "@" in item:
-                _check_stage(item, stage, definition, scene)
-                key = f"{name}@{int(stage)}"
-            if _is_zero(scene, name):
-                raise InputError(
-                    f"response {name} is 0 without a wear update: request "
-                    f"{name.rpartition('.')[0]}.wear_rate, the volume that a stroke wears, "
-                    "or set wear_updates = 1 with cycles_per_update"
-                )
-            columns.append(Column(key, definition.unit, definition.text))
-            if definition.optional and name not in optional:
+            name, column = _named_response(item, scene, offered)
+            columns.append(column)
+            if offered[name].optional and name not in optional:
                 optional.append(name)
         else:
             summary = (inspect.getdoc(item) or "").partition("\n")[0]
@@ -280,6 +267,27 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
             raise InputError(f"response {name} is repeated")
     extra = digest_of(optional, functions)
     return Requested(tuple(columns), tuple(optional), tuple(functions), extra)
+
+
+def _named_response(
+    item: str, scene: Scene, offered: Mapping[str, Definition]
+) -> tuple[str, Column]:
+    """Return the name and the column of a response NAME or NAME@STAGE."""
+    name, _, stage = item.strip().partition("@")
+    if name not in offered:
+        raise unknown("response", name, offered)
+    definition = offered[name]
+    key = name
+    if "@" in item:
+        _check_stage(item, stage, definition, scene)
+        key = f"{name}@{int(stage)}"
+    if _is_zero(scene, name):
+        raise InputError(
+            f"response {name} is 0 without a wear update: request "
+            f"{name.rpartition('.')[0]}.wear_rate, the volume that a stroke wears, "
+            "or set wear_updates = 1 with cycles_per_update"
+        )
+    return name, Column(key, definition.unit, definition.text)
 
 
 def _is_zero(scene: Scene, name: str) -> bool:
@@ -301,10 +309,10 @@ def _check_stage(item: str, stage: str, definition: Definition, scene: Scene) ->
 
 
 def freedom_of(scene: Scene, key: str) -> float:
-    """Return the degrees of freedom of the interval of a response; infinite: not fixed by a scene.
+    """Return the degrees of freedom of the interval of a response.
 
-    The samples are replicates on worn surfaces and in a wear update in steps, else
-    settled cycles.
+    They are infinite if the scene does not determine them. The samples are replicates on
+    worn surfaces and in a wear update in steps, and settled cycles otherwise.
     """
     name, at, stage = key.partition("@")
     quantity = name.rpartition(".")[2]
@@ -333,9 +341,9 @@ def digest_of(optional: Sequence[str], functions: Sequence[User]) -> str:
 
 
 def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
-    """Return the usual responses of all stages and the requested ones by key, without functions.
+    """Return the usual and the requested responses by key, except user functions.
 
-    A response without a stage is that of the last one.
+    Each response of a stage has a key NAME@STAGE. The last stage also has the key NAME.
     """
     values: dict[str, Response | None] = {}
     joints_of = {}

@@ -30,7 +30,7 @@ _FILES = (
     Path(__file__),
     *map(Path(__file__).with_name, ("packing.py", "constant_places.py")),
 )
-# machine code depends on it
+# Digest of the files of the compiler, on which the machine code depends
 COMPILER = digest(b"".join(file.read_bytes() for file in _FILES))
 
 # Passes of numba without those for closures, ``with``, generators and array expressions
@@ -50,9 +50,9 @@ _PASSES = (
     typed.NoPythonBackend,
 )
 # Words in the frame of ``_compile_core``. Python stores the frames of calls in pieces of
-# 16 kB. Nested compilations cross the end of a piece 70 000 times, and each time memory
-# is allocated and freed, which takes a seventh of the whole time. This frame needs a
-# piece of 2 MB, in which the frames of all nested calls have room.
+# 16 kB. Nested compilations cross the end of a piece 70 000 times, and allocate and free
+# memory each time, which takes a seventh of the whole time. The large frame makes Python
+# allocate a piece of 2 MB, which has room for the frames of all nested calls.
 _FRAME = 140_000
 
 _OPERATORS: set[Any] = {bool, max, min, *filter(callable, vars(operator).values())}
@@ -68,7 +68,7 @@ lower_builtin("__array__", types.Array)(
 
 
 @contextmanager
-def _types_found_once() -> Iterator[None]:
+def _types_determined_once() -> Iterator[None]:
     """Determine the type of each operator between numbers once."""
     typing = cpu_target.typing_context
     find = typing.resolve_function_type
@@ -112,9 +112,9 @@ class KernelCompiler(Compiler):
         return [manager]
 
     def _compile_core(self) -> Any:
-        # slow: only where something is compiled
+        # Slow to import, and needed only if something is compiled
         import_module("presswear.tools.constant_places")
-        with signals_held(), _types_found_once():
+        with signals_held(), _types_determined_once():
             return super()._compile_core()
 
     _compile_core.__code__ = _compile_core.__code__.replace(co_stacksize=_FRAME)

@@ -27,8 +27,10 @@ def numbers_of(
 ) -> tuple[LawNumber, ...]:
     """Return the parameters of a function with a default that are not among ``allowed``.
 
-    InputError with the key for a default that is no number in its range, and for an
-    annotation that is no range.
+    Raises
+    ------
+    InputError
+        If a default is not a number in its range, or an annotation is not a range.
     """
     first = len(arguments.args) - len(arguments.defaults)
     numbers = []
@@ -53,22 +55,29 @@ def numbers_of(
 
 def _meaning_of(name: str, annotation: ast.expr | None, text: str) -> Quantity:
     """Return unit and range of a number from its annotation, such as ``0.1 um to 1 mm``."""
+    # An annotation such as ``float`` has no range.
     if annotation is None or isinstance(annotation, ast.Name):
         return Quantity(origin="law", text=text)
-    words = f"{annotation.value!s}" if isinstance(annotation, ast.Constant) else ""
-    first, to, last = words.partition(_TO)
-    if not to:
+    words = ""
+    if isinstance(annotation, ast.Constant):
+        words = f"{annotation.value!s}"
+    first, separator, last = words.partition(_TO)
+    if not separator:
         raise InputError(
             f"{name}: {ast.unparse(annotation)}: a range such as '0.1 um to 1 mm' is expected"
         )
     unit = _unit_of(last)
-    low, high = (parse_quantity(name, end, Quantity(unit)) for end in (first, last))
+    low = parse_quantity(name, first, Quantity(unit))
+    high = parse_quantity(name, last, Quantity(unit))
     if not low < high:
         raise InputError(f"{name}: {words}: the first end must be below the second")
     return Quantity(unit, low, high, "law", text)
 
 
 def _unit_of(text: str) -> str:
-    """Return the SI unit of a text with a number and a unit; an unknown unit is returned."""
+    """Return the SI unit of a text such as ``1 mm``; an unknown unit is returned as it is."""
     symbol = text.strip().partition(" ")[2].strip()
-    return next((unit for unit, sizes in UNITS.items() if symbol in sizes), symbol)
+    for unit, symbols in UNITS.items():
+        if symbol in symbols:
+            return unit
+    return symbol

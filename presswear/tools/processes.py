@@ -1,9 +1,10 @@
 """Jobs in worker processes or in this process, and signals that stop a command.
 
-A job is a picklable function. It gets a function to report its progress, many times a
-second, which is also where it is stopped. Its result does not depend on where or when
-it runs. A worker may be killed at any moment: each has a pipe of its own, so that half
-a message ends no other worker.
+A job is a picklable function. It reports its progress many times a second by a function
+that it gets, and this function raises KeyboardInterrupt to stop the job. The result of a
+job does not depend on the process and the time in which it runs. A worker may be killed
+at any moment. Each worker has its own pipe, so that half a message does not disturb the
+others.
 
 The executor of loky 3.7 does not replace this file: its futures report no progress, and a
 signal to the parent alone leaves jobs running to their end, or kills them with their state.
@@ -19,6 +20,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from importlib import import_module
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
@@ -31,13 +33,12 @@ from presswear.tools.errors import InputError, RunFailed, shown
 
 POLL = 0.1  # s between two reports of a worker
 MAX_JOBS = 10_000  # worker processes at a time: no machine has as many cores
-# s until a worker whose job does not stop is ended, for example while it compiles
-GRACE = 3.0
+GRACE = 3.0  # s for a job to stop, after which its worker is ended
 LOST = "a worker process was ended from outside, for example because memory ran out"
-_STOPS = math.inf  # progress of a job that stops; what it stores may take long
+_STOPS = math.inf  # progress of a job that is stopping; it may store its state for long
 # Values in place of the key of a job
 _IDLE = "idle"
-_DROPPED = "dropped"
+_DROPPED = "dropped"  # the result of the job is no longer needed
 
 # Called by a job with its progress (nan while it gets ready) and optionally a word,
 # which stays in this process, and rows; KeyboardInterrupt stops the job.
@@ -58,7 +59,7 @@ class Stopped(KeyboardInterrupt):
 
 
 def check_jobs(jobs: int | None) -> None:
-    """Raise InputError for a number of processes that cannot be."""
+    """Raise InputError unless the number of processes is from 1 to ``MAX_JOBS``."""
     if jobs is not None and not 1 <= jobs <= MAX_JOBS:
         limit = "at least 1" if jobs < 1 else f"at most {MAX_JOBS}"
         raise InputError(f"jobs = {shown(jobs)}: must be {limit}")
@@ -81,16 +82,20 @@ class Workers:
         the jobs.
     imports : sequence of str
         Modules that jobs need.
-    lasts : float
+    job_duration : float
         Wall time after which a job that can be resumed should return, s.
     """
 
     def __init__(
-        self, count: int = 1, imports: Sequence[str] = (), lasts: float = math.inf
+        self,
+        count: int = 1,
+        imports: Sequence[str] = (),
+        job_duration: float = math.inf,
     ) -> None:
         # A process that ends with its parent may have no children.
         self.count = 1 if multiprocessing.current_process().daemon else count
-        self.lasts, self._imports = lasts, tuple(imports)
+        self.job_duration = job_duration
+        self._imports = tuple(imports)
         self._workers: list[_Worker] = []
 
     def __enter__(self) -> Self:
@@ -106,7 +111,7 @@ class Workers:
     def run(
         self, jobs: Mapping[int, Job], on_result: OnResult, on_progress: OnProgress
     ) -> None:
-        """Run jobs, at most one in each worker, and those that follow after them.
+        """Run jobs, at most one in each worker, and the jobs that ``on_result`` returns.
 
         Raises
         ------
@@ -120,39 +125,58 @@ class Workers:
         self._workers = self._workers or self._started()
         try:
             while waiting or self._running:
-                idle = [worker for worker in self._workers if worker.key == _IDLE]
-                for worker, key in zip(idle, list(waiting), strict=False):
-                    worker.send(waiting.pop(key))
-                    worker.key, worker.progress, worker.rows = key, None, None
-                for key, result in self._results():
-                    if isinstance(result, BaseException):
-                        raise result
-                    following = on_result(key, result)
-                    _follow(waiting, following)
-                    for worker in self._running:
-                        if worker.key in following:
-                            worker.key = _DROPPED
-                            worker.send(None)
-                for worker in self._running:
-                    if worker.progress is not None and worker.key != _DROPPED:
-                        rows, worker.rows = worker.rows, None
-                        on_progress(worker.key, worker.progress, "", rows)
+                self._start_jobs(waiting)
+                self._handle_results(waiting, on_result)
+                self._report_progress(on_progress)
         except BaseException as error:
-            is_interrupt = isinstance(error, KeyboardInterrupt)
-            due = time.monotonic() + GRACE
-            for worker in self._running:
-                worker.send(None)
-            while any(
-                worker.progress == _STOPS or time.monotonic() < due
-                for worker in self._running
-            ):
-                for key, result in self._results():
-                    if (is_interrupt or is_stopped()) and not isinstance(
-                        result, BaseException
-                    ):
-                        on_result(key, result)
+            self._stop_jobs(on_result, isinstance(error, KeyboardInterrupt))
             self.__exit__()
             raise
+
+    def _start_jobs(self, waiting: dict[int, Job]) -> None:
+        """Send a waiting job to each idle worker."""
+        idle = [worker for worker in self._workers if worker.key == _IDLE]
+        for worker, key in zip(idle, list(waiting), strict=False):
+            worker.send(waiting.pop(key))
+            worker.key = key
+            worker.progress = None
+            worker.rows = None
+
+    def _handle_results(self, waiting: dict[int, Job], on_result: OnResult) -> None:
+        """Pass results on, and stop running jobs that ``on_result`` replaces or drops."""
+        for key, result in self._results():
+            if isinstance(result, BaseException):
+                raise result
+            following = on_result(key, result)
+            _follow(waiting, following)
+            for worker in self._running:
+                if worker.key in following:
+                    worker.key = _DROPPED
+                    worker.send(None)
+
+    def _report_progress(self, on_progress: OnProgress) -> None:
+        for worker in self._running:
+            if worker.progress is not None and worker.key != _DROPPED:
+                rows = worker.rows
+                worker.rows = None
+                on_progress(worker.key, worker.progress, "", rows)
+
+    def _stop_jobs(self, on_result: OnResult, is_interrupt: bool) -> None:
+        """Stop all jobs and wait for them; after an interrupt, pass on their results.
+
+        A job that has not begun to stop after ``GRACE`` is not waited for.
+        """
+        due = time.monotonic() + GRACE
+        for worker in self._running:
+            worker.send(None)
+        while any(
+            worker.progress == _STOPS or time.monotonic() < due
+            for worker in self._running
+        ):
+            for key, result in self._results():
+                is_result = not isinstance(result, BaseException)
+                if is_result and (is_interrupt or is_stopped()):
+                    on_result(key, result)
 
     @property
     def _running(self) -> "list[_Worker]":
@@ -162,16 +186,19 @@ class Workers:
         """Read what workers send; yield keys and results, or errors, of jobs that are complete."""
         ready = wait_for([worker.pipe for worker in self._running], POLL)
         for worker in [worker for worker in self._running if worker.pipe in ready]:
-            # after half a message nothing more is read
-            key, worker.key = (worker.key, _IDLE)
+            key = worker.key
+            # A worker is not read again if an interrupt ends ``recv`` within a message.
+            worker.key = _IDLE
             try:
                 is_complete, content = worker.pipe.recv()
             except (EOFError, OSError):
                 is_complete = True
                 content = RunFailed(LOST)
             if not is_complete:
-                worker.key, (worker.progress, rows) = key, content
-                worker.rows = worker.rows if rows is None else rows
+                worker.key = key
+                worker.progress, rows = content
+                if rows is not None:
+                    worker.rows = rows
             elif key != _DROPPED:
                 yield key, content
 
@@ -181,7 +208,7 @@ class Workers:
             "forkserver" if has_server else "spawn"
         )
         package = import_module("presswear").__path__[0]
-        # The server of forks would import another version from the working directory.
+        # The server of forks would import a presswear of the working directory first.
         is_safe = not os.path.isdir("presswear") or os.path.samefile(
             "presswear", package
         )
@@ -206,7 +233,8 @@ class _Worker:
 
     def send(self, job: Job | None) -> None:
         """Send a job, or None, the request to stop it."""
-        with suppress(BrokenPipeError):  # it was killed: to read from it fails
+        # The pipe of a worker that was killed is broken. To read from it reports this.
+        with suppress(BrokenPipeError):
             self.pipe.send(job)
 
 
@@ -217,13 +245,21 @@ def _run_here(
         key = next(iter(waiting))
         job = waiting.pop(key)
         try:
-            outcome = job(
-                lambda done, word="", rows=None, k=key: on_progress(k, done, word, rows)
-            )
+            outcome = job(partial(_report_here, on_progress, key))
         except Stopped as stopped:
             on_result(key, stopped.outcome)
             raise KeyboardInterrupt from None
         _follow(waiting, on_result(key, outcome))
+
+
+def _report_here(
+    on_progress: OnProgress,
+    key: int,
+    done: float,
+    word: str = "",
+    rows: Array | None = None,
+) -> None:
+    on_progress(key, done, word, rows)
 
 
 def _follow(waiting: dict[int, Job], following: Mapping[int, Job | None]) -> None:
@@ -324,17 +360,16 @@ def signals_held() -> Iterator[None]:
 def starting_processes() -> Iterator[None]:
     """Start processes that do not import the main module and that Ctrl-C does not reach.
 
-    With the main module they would run a script a second time that lacks ``if __name__
-    == "__main__":``. A signal is delivered at the end: a start that is interrupted
-    leaves a worker that fails with a traceback, and a process that is ended before it
-    has read its arguments leaves the parent waiting. The processes call
-    ``end_with_parent`` first.
+    A process that imports the main module runs a script again if the script has no ``if
+    __name__ == "__main__":``. A signal is delivered at the end of the context. During
+    the start it would leave a worker that fails with a traceback, or a parent that waits
+    for a process which has ended. The processes call ``end_with_parent`` first.
     """
     main = sys.modules["__main__"]
     mask = getattr(signal, "pthread_sigmask", None)
     if mask:
-        # It starts with the first process and then admits SIGINT, which that would
-        # inherit.
+        # The tracker admits SIGINT when it starts, and the processes inherit that. Start
+        # it before the signals are blocked.
         resource_tracker.ensure_running()
     blocked = mask(signal.SIG_BLOCK, _SIGNALS) if mask else None
     with signals_held():
@@ -356,14 +391,14 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def stoppable() -> Iterator[None]:
     """Let SIGINT, SIGTERM and SIGHUP raise KeyboardInterrupt; ignored signals stay ignored.
 
-    The program may be in a place that drops KeyboardInterrupt, or makes another error
-    of it. A command therefore calls ``check_stopped`` with its progress, and any error
-    after a signal counts as an interrupt.
+    A library may drop KeyboardInterrupt or replace it by another error. A command
+    therefore calls ``check_stopped`` with its progress, and any error after a signal
+    counts as an interrupt.
     """
     _received.clear()
     hook = sys.unraisablehook
-    # An object that a signal left incomplete fails when it is deleted, until the
-    # program ends.
+    # An object that a signal left incomplete may fail when it is deleted, at the latest
+    # at the end of the program. Do not print this.
     sys.unraisablehook = lambda problem: None if is_stopped() else hook(problem)
     try:
         with _handling(_interrupt):

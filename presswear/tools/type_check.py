@@ -37,7 +37,8 @@ def _is_of(name: str, value: Any, kind: Any) -> bool:
             return NoneType in inner
         return any(_is_of(name, value, member) for member in inner)
     if origin is Annotated:
-        inner[1].check(name, plain_number(value))
+        quantity = inner[1]
+        quantity.check(name, plain_number(value))
         return True
     if origin is Literal:
         return isinstance(value, str) and value in inner
@@ -64,22 +65,27 @@ def _is_of(name: str, value: Any, kind: Any) -> bool:
 
 
 def is_list(value: Any) -> bool:
-    """Return whether a value is a list of any sort: no text, no mapping, no single number."""
+    """Return whether a value is a list, tuple, set or array; a text or mapping is not."""
     if isinstance(value, str | bytes | Mapping):
         return False
-    # numpy calls an array of a single number a collection
+    # A numpy array without dimensions is a Collection, but a single number.
     return isinstance(value, Collection) and getattr(value, "ndim", 1) > 0
+
+
+def _type_name(kind: Any) -> str:
+    """Return the name of a type in messages."""
+    if get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
+    plain = get_origin(kind) or kind
+    return _WORDS.get(plain, plain.__name__)
 
 
 def refusal(name: str, value: Any, kind: Any) -> InputError:
     """Return the error for a value that is not of an annotated type."""
-    kinds = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
-    distinct: dict[str, None] = {}
-    for member in kinds:
-        plain = get_args(member)[0] if get_origin(member) is Annotated else member
-        plain = get_origin(plain) or plain
-        distinct[_WORDS.get(plain, plain.__name__)] = None
-    words = " or ".join(distinct)
+    is_union = get_origin(kind) in (Union, UnionType)
+    kinds = get_args(kind) if is_union else (kind,)
+    names = [_type_name(member) for member in kinds]
+    words = " or ".join(dict.fromkeys(names))
     article = "an" if words[0] in "AEIOU" else "a"
     examples = [member.example for member in kinds if hasattr(member, "example")]
     hint = f", such as {examples[0]}" if examples else ""

@@ -19,7 +19,7 @@ from presswear.tools.errors import InputError, RunFailed
 
 Progress = Callable[[str, float], None]  # called with a name and the completed fraction
 
-PATIENCE = 120.0  # s of CPU time after which a run counts as hung; most take below one
+PATIENCE = 120.0  # s of CPU time after which a run is stopped; most need below 1 s
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def first_contact(run: Run, k: int = 0) -> dict[str, float]:
     """Return the first contact of clearance joint ``k``; RunFailed if there is none."""
     contacts = contacts_of(finished(run), k)
     if not contacts["touchdown"].size:
-        raise RunFailed("no contact, where there must be one")
+        raise RunFailed("expected a contact, found none")
     return {name: float(column[0]) for name, column in contacts.items()}
 
 
@@ -120,7 +120,8 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
     def report(fraction: float, recorder: object) -> None:
         nonlocal started
         now = clock.process_time()
-        started = now if started is None else started
+        if started is None:
+            started = now
         if now - started > patience:
             raise RunFailed(
                 f"stopped after {patience:g} s of CPU time at {100.0 * fraction:.3g} %"

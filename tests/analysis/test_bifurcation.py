@@ -164,7 +164,7 @@ def test_unit_of_the_user_is_that_of_the_axis():
         ("clearance=1e-5:2e-5:3 m", "m", 1.0),
         ("B.friction=0:0.1:2", "", 1.0),
     ):
-        shown_factor, shown_unit = parse(text, SCENE).shown_values
+        shown_factor, shown_unit = parse(text, SCENE).factor_and_unit
         assert shown_factor == pytest.approx(factor)
         assert shown_unit == unit
 

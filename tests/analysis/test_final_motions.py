@@ -72,7 +72,7 @@ def rows_of(settled: list[int], place: list[float]) -> Runs:
     rows["index"] = np.arange(len(settled))
     rows["settled"] = settled
     rows["cycles"] = 40
-    rows["period"] = [1 if one >= 0 else 0 for one in settled]
+    rows["period"] = [1 if motion >= 0 else 0 for motion in settled]
     rows["signature"][:, 0] = place
     rows["peak_force"][:, 0] = 100.0 + np.array(place)
     return rows.view(np.recarray)
@@ -85,13 +85,17 @@ def test_shares_of_known_basins():
     place = [*np.where(start < 0.3, 0.0, 1.0), 0.5, 0.5, 0.0]
     kick = Kick("B", 0.02, 0.018, 90)
     result = evaluate(rows_of(settled, place), ("B",), {12: (kick,)}, None)
-    assert [one.starts for one in result.motions] == [28, 12, 2]
-    assert [one.share.mean for one in result.motions] == [28 / 42, 12 / 42, 2 / 42]
-    assert [one.period for one in result.motions] == [1, 1, None]
-    assert [one.peak_force["B"] for one in result.motions] == pytest.approx(
+    assert [motion.starts for motion in result.motions] == [28, 12, 2]
+    assert [motion.share.mean for motion in result.motions] == [
+        28 / 42,
+        12 / 42,
+        2 / 42,
+    ]
+    assert [motion.period for motion in result.motions] == [1, 1, None]
+    assert [motion.peak_force["B"] for motion in result.motions] == pytest.approx(
         [101.0, 100.0, 100.5]
     )
-    assert [one.least_kick for one in result.motions] == [kick, None, None]
+    assert [motion.least_kick for motion in result.motions] == [kick, None, None]
     assert (result.failed, result.irregular) == (1, 2)
     assert result.half_life == half_life([5] * 40, [40, 40])
     cycles, share = result.unsettled()

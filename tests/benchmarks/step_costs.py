@@ -111,8 +111,8 @@ def step_costs(repeats: int = 5, cycles: int = 20) -> list[dict[str, Any]]:
     rounds = [{name: each() for name, each in runs.items()} for _ in range(repeats)]
     rows = []
     for name in runs:
-        costs = [one[name] for one in rounds]
-        loops = [one[LOOP] for one in rounds]
+        costs = [costs_of_round[name] for costs_of_round in rounds]
+        loops = [costs_of_round[LOOP] for costs_of_round in rounds]
         pairs = list(zip(costs, loops, strict=True))
         rows.append(
             {

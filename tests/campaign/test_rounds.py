@@ -95,7 +95,7 @@ class Reversed(Workers):
                     waiting[other] = job
 
 
-@pytest.mark.parametrize("workers", [Workers(), Workers(lasts=0.0), Reversed()])
+@pytest.mark.parametrize("workers", [Workers(), Workers(job_duration=0.0), Reversed()])
 def test_failed_run_is_the_last(workers, monkeypatch):
     """Runs after it, in order, are left out, and those before it run on."""
     call = WorkUnit.__call__

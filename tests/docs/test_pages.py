@@ -235,11 +235,11 @@ def test_key_numbers_of_a_report_have_a_formula():
     }
     result = pw.run(pw.scenes.press_blanking(**settings, engine="dae"))
     names = {
-        one.name
+        number.name
         for each in (result, replace(result, life=life))
-        for one in key_numbers(each)
+        for number in key_numbers(each)
     }
-    names |= {one.number.name for one in limit_lines(result.scene, result.stages[-1])}
+    names |= {line.number.name for line in limit_lines(result.scene, result.stages[-1])}
     assert len(names) == 15
     assert [name for name in names if name not in numbers_explained()] == []
 

@@ -103,7 +103,7 @@ def test_engines_agree_on_a_table():
 
 
 def test_a_sleeve_driven_along_a_rod_is_prescribed():
-    """The rod carries no guide, but its motion and the drive give that of the sleeve."""
+    """The motion of the rod and the drive determine the motion of the sleeve."""
     linkage = slider_crank_with_sleeve()
     assert prescribed_of(linkage) == {body.name for body in linkage.bodies}
     ideal = ideal_motion(linkage, linkage.period)

@@ -122,7 +122,7 @@ def test_bearings_make_joints_elastic():
     assert (pin.name, pin.stiffness, pin.damping_ratio) == ("B", 2e7, 0.1)
     assert pw.Scene.from_dict(scene.as_dict()) == scene
     assert scene.clearance_joints == ()
-    assert [one.name for one in scene.linkage().bushings] == ["B"]
+    assert [bushing.name for bushing in scene.linkage().bushings] == ["B"]
 
 
 def test_a_stiffness_is_set_by_joint():
@@ -131,9 +131,9 @@ def test_a_stiffness_is_set_by_joint():
     assert scene.clearance_joints == ("A", "C")
     assert [pin.stiffness for pin in scene.linkage().elastic_pins] == [3e9]
     assert scene.conventions.stiffness == "paper"
-    values = {one.key: one.value for one in used_settings_of(scene)}
+    values = {setting.key: setting.value for setting in used_settings_of(scene)}
     assert (values["E.stiffness"], values["stiffness"]) == (3e9, "paper")
-    changes = {one.key for one in changes_from(pw.Scene(), scene)}
+    changes = {change.key for change in changes_from(pw.Scene(), scene)}
     assert changes == {"stiffness", "joints", "E.clearance", "E.stiffness"}
     with pytest.raises(pw.InputError, match=r"A\.clearance = 0\.3 mm: with stiffness"):
         pw.changed(pw.Scene(), {"A.stiffness": "3GN/m"})

@@ -30,7 +30,6 @@ def late(sliding, normal, coefficient):
     part = TABLE[1 if normal <= 100.0 else 2]
     return -coefficient * normal * part * max(min(sliding / 1e-3, 1.0), -1.0)
 """
-ENGINES = "dae", "exudyn-tree", "exudyn-joints"
 
 
 @pytest.fixture
@@ -59,8 +58,12 @@ def scene_with(law: str) -> pw.Scene:
 @pytest.mark.parametrize(
     ("law", "engine"),
     [
-        *(("press", engine) for engine in ENGINES),
-        *((law, "dae") for law in ("rub", "pull", "turn")),
+        ("press", "dae"),
+        ("press", "exudyn-tree"),
+        ("press", "exudyn-joints"),
+        ("rub", "dae"),
+        ("pull", "dae"),
+        ("turn", "dae"),
     ],
 )
 def test_a_law_that_fails_ends_the_run_with_its_place(law, engine, laws, capfd):

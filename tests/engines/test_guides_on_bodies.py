@@ -22,7 +22,7 @@ SCENES = {
     "quick return, loose crank": (skew_quick_return(), "O2"),
     "shaper, a loop is left": (shaper(), "A"),
 }
-# Other linkages have the loose pin of a block, also in test_linkages.
+# Other linkages here and in test_linkages also have a block with a loose pin.
 SLOW = ("swinging block", "quick return, loose crank")
 DURATION = 0.01  # s, some touchdowns
 

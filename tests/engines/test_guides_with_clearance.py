@@ -124,7 +124,7 @@ def test_energy_is_conserved_without_friction_and_damping():
 
 def test_a_corner_is_located_by_few_trials():
     """Newton's method locates a touchdown with two more trials of its step."""
-    x = 0.3  # of the guide: round-off is that of a slide beside the origin
+    x = 0.3  # of the guide, so that the position has a usual round-off
     linkage, rest = block(x, restitution=1.0, friction=0.0, contact_stiffness=1e9)
     start = replace(rest, velocity=np.array([0.005, 0.0, 0.015]))
     engine = InHouse("dopri5", integration_tolerance=1e-7).for_cycle(0.1)

@@ -9,8 +9,9 @@ from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.wear_law import WearLaw
 from presswear.validation import reference_problems as references
 
+# Angular velocity of the pin, rad/s. Without friction it slides at R_j SPIN throughout
+# the impact.
 SPIN = 30.0
-"""Of the pin, rad/s: without friction it slides at R_j SPIN throughout the impact."""
 
 
 @pytest.mark.parametrize(("engine", "error"), [("exudyn", 3e-4), ("dae", 1e-8)])
@@ -20,7 +21,7 @@ def test_load_distance_is_impulse_times_sliding(engine, error):
     velocity = impact.start.velocity.copy()
     velocity[5] = SPIN
     start = Start(impact.start.position, velocity)
-    # An account of wear is kept only where there is a law of wear.
+    # The load distance is integrated only for a joint with a wear law.
     joint = replace(impact.linkage.clearances[0], wear=WearLaw(1e-15))
     linkage = replace(impact.linkage, clearances=(joint,))
     solver: Engine = InHouse(integration_tolerance=1e-11)
@@ -33,7 +34,8 @@ def test_load_distance_is_impulse_times_sliding(engine, error):
     impulse = abs(linkage.bodies[0].mass * change)
     sliding = SPIN * joint.pin_radius
     # The arm is R_j - delta / 2, and the penetration is some micrometres.
-    least = 1.0 - 0.5 * float(run.recorder.rows[:, 6].max()) / joint.pin_radius
+    deepest = float(run.recorder.series("penetration", 0).max())
+    least = 1.0 - 0.5 * deepest / joint.pin_radius
     assert impulse > 0.01
     assert load_distance >= sliding * least * impulse * (1.0 - error)
     assert load_distance <= sliding * impulse * (1.0 + error)

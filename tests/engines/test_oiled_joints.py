@@ -60,7 +60,7 @@ def loaded(
 
 
 def on_film(run: Run, load: complex) -> complex:
-    """Return the place on the film over the clearance: without the elastic stretch."""
+    """Return the eccentricity ratio of the film: the pin less its elastic deformation."""
     stretch = (abs(load) / STIFFNESS) ** (2.0 / 3.0) * load / abs(load)
     return (complex(*run.end.position[:2]) - stretch) / CLEARANCE
 
@@ -99,17 +99,19 @@ def test_pin_falls_through_oil_of_hardly_any_viscosity():
         touch = run.recorder.series("time")[np.argmax(place > 0.98 * CLEARANCE)]
         assert touch == pytest.approx(fall, rel=0.01)
     peaks = [float(run.recorder.records.counters["peak_force"][0]) for run in runs]
-    assert 0.3 * peak < peaks[0] < 0.8 * peaks[1] < 0.8 * peak
+    assert peaks[0] > 0.3 * peak
+    assert peaks[0] < 0.8 * peaks[1]
+    assert peaks[1] < peak
 
 
 def test_a_blow_through_thin_oil_has_the_restitution():
-    """A load moves the pin across the clearance, and it comes back over e^2 of it."""
+    """A load moves the pin across the clearance c, and it rebounds by e^2 c."""
     fall = math.sqrt(2.0 * CLEARANCE * 20.0 / 1e3)
     ratio = damping_ratio(0.8)
     thin = replace(DUTY, viscosity=1e-10, roughness=4e-9, damping_ratio=ratio)
     run = loaded(1e3 + 0.0j, 0.0, 2.6 * fall, 1e12, oil=thin)
     place = run.recorder.series("eccentricity_x", 0)
-    deepest = int(np.argmax(place[:256]))
+    deepest = int(np.argmax(place[:256]))  # in the first contact
     back = CLEARANCE - float(place[deepest:].min())
     assert back == pytest.approx(0.8**2 * CLEARANCE, rel=0.01)
     # Without damping the film follows the asperities at once: millions of steps.

@@ -130,7 +130,7 @@ def turning_evenly(engine: Engine) -> tuple[Linkage, Run]:
     linkage = on_disc(
         normal_law="kelvin-voigt", viscous_damping=1e4, contact_stiffness=STIFF
     )
-    corners = tuple(replace(one, wall=WALL) for one in linkage.corners)
+    corners = tuple(replace(corner, wall=WALL) for corner in linkage.corners)
     linkage = replace(linkage, clearances=corners)
     still = 0.5 * MASS * TURN**2 * C / STIFF  # penetration by the centrifugal force
     place = np.array([FIRST, -C - still, 0.0])
@@ -290,7 +290,7 @@ def test_the_rate_of_a_corner_is_a_derivative():
     place = bin_centres_of(WALL)
     worn = Surface(2e-6 * (1.0 + np.cos(2.0 * math.pi * place / 0.05)))
     corners = tuple(
-        replace(one, wall=WALL, bearing_surface=worn) for one in linkage.corners
+        replace(corner, wall=WALL, bearing_surface=worn) for corner in linkage.corners
     )
     linkage = replace(linkage, clearances=corners)
     packed = pack(linkage)

@@ -17,7 +17,7 @@ from presswear.linkage.spring import Spring
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
-# Engines, and the part of the tolerance of positions that is theirs, m
+# Engines, and the tolerances of their positions, m
 ENGINES: list[tuple[Engine, float]] = [
     (InHouse(integration_tolerance=1e-12, free_step=0.01), 1e-10),
     (InHouse("rk4", equal_step=0.77e-3), 1e-8),
@@ -117,7 +117,7 @@ def test_a_law_without_a_finite_force_is_named(engine: Engine, within):
 
 
 def test_steps_follow_the_stiffest_spring():
-    """A frame of 112 Hz at 60 strokes a minute: a hundred steps in its period."""
+    """Each period of a frame of 112 Hz has a hundred steps."""
     frequency = 112.0  # Hz
     stiffness = MASS * (2.0 * math.pi * frequency) ** 2
     origin = Attachment(GROUND, 0.0, 0.0)

@@ -47,7 +47,7 @@ def turning_wedge() -> Linkage:
     return assemble(
         bodies=[
             Bar("crank", 0.5, 3.0),
-            *(Body(one.name, one.mass, 0.01) for one in BODIES),
+            *(Body(body.name, body.mass, 0.01) for body in BODIES),
         ],
         joints=[
             Pin("O", (0.0, 0.0), "crank.tail"),

@@ -51,13 +51,15 @@ def test_a_rise_is_the_law_of_the_handbooks(law):
         (), (Rise(begin, end, by, law), Rise(4.0, 5.0, -by, "cycloidal"))
     )
     x = np.linspace(0.0, 1.0, 4001)
-    value, slope, bend = pieces.at(begin + (end - begin) * x)
+    value, slope, curvature = pieces.at(begin + (end - begin) * x)
     assert_allclose(value, by * closed_form(law, x), atol=1e-15)
+    velocity, acceleration = FACTORS[law]
     unit = by / (end - begin)
-    largest = np.abs(slope / unit).max(), np.abs(bend / unit).max() * (end - begin)
-    assert largest == pytest.approx(FACTORS[law], rel=1e-6)
-    # It begins and ends without velocity and acceleration, and dwells behind that.
-    for level in (slope, bend):
+    assert np.abs(slope / unit).max() == pytest.approx(velocity, rel=1e-6)
+    unit /= end - begin
+    assert np.abs(curvature / unit).max() == pytest.approx(acceleration, rel=1e-6)
+    # It begins and ends without velocity and acceleration. A dwell follows.
+    for level in (slope, curvature):
         assert np.abs(level[[0, -1]]).max() < 1e-14
     dwell = pieces.at(np.linspace(end, 4.0, 20))
     assert_allclose(dwell[0], by, rtol=1e-15)
@@ -75,24 +77,25 @@ part = st.tuples(
     st.sampled_from([0.5, 1.0]),
 )
 def test_rises_join_smoothly_around_the_cycle(drawn, first, share):
-    """Where one piece ends the next goes on with the same angle, speed and acceleration."""
-    parts, ways, laws = zip(*drawn, strict=True)
+    """Angle, speed and acceleration are continuous between pieces."""
+    parts, lifts, laws = zip(*drawn, strict=True)
     ends = first + TURN * np.cumsum([0.0, *parts]) / sum(parts)
     result = [
         Rise(begin, begin + share * (end - begin), by, law)
-        for (begin, end), by, law in zip(pairwise(ends), ways, laws, strict=True)
+        for (begin, end), by, law in zip(pairwise(ends), lifts, laws, strict=True)
     ]
     pieces = pieces_of((), tuple(result))
-    assert pieces.net == pytest.approx(sum(ways), abs=1e-12)
+    assert pieces.net == pytest.approx(sum(lifts), abs=1e-12)
     assert np.all(np.diff(pieces.start) > 0.0)
     assert 0.0 <= pieces.start[0] <= pieces.start[-1] < TURN
     h = 1e-9
     before = pieces.at(pieces.start - h)
     after = pieces.at(pieces.start + h)
     shortest = min(rise.end - rise.start for rise in result)
-    for level, (one, other) in enumerate(zip(before, after, strict=True)):
-        jerk = 200.0 / shortest ** (level + 1)
-        assert_allclose(one, other, atol=1e-13 + 2.0 * h * jerk * 2.0)
+    for level in range(3):
+        slope = 400.0 / shortest ** (level + 1)  # largest, of this derivative
+        difference = 1e-13 + 2.0 * h * slope
+        assert_allclose(before[level], after[level], atol=difference)
     assert abs(pieces.at(np.zeros(1))[0][0]) < 1e-15
 
 
@@ -106,7 +109,7 @@ row = st.tuples(st.floats(0.01, 1.0), st.floats(-2.0, 2.0))
     st.floats(-30.0, 1000.0),
 )
 def test_a_table_is_the_periodic_spline_of_scipy(drawn, first, net, phase):
-    """With a way left over at the end of the cycle, which is a mean speed beside the spline."""
+    """A table that advances in each cycle is a periodic spline plus a constant speed."""
     parts, values = zip(*drawn, strict=True)
     phases = first + TURN * np.cumsum([0.0, *parts[:-1]]) / sum(parts)
     rows = [*zip(phases, values, strict=True), (first + TURN, values[0] + net)]
@@ -133,38 +136,39 @@ def test_rows_of_four_are_joined_by_polynomials_of_degree_five():
     around = np.vstack([data, data[0]])[:, :, np.newaxis]
     exact = BPoly.from_derivatives(np.append(phase, phase[0] + TURN), list(around))
     times = np.linspace(0.2, 0.2 + TURN, 100, endpoint=False)
-    value, slope, bend = pieces.at(times)
+    value, slope, curvature = pieces.at(times)
     shift = float(exact(TURN)[0])
     assert_allclose(value + shift, exact(times)[:, 0], atol=1e-14)
     assert_allclose(slope, exact.derivative()(times)[:, 0], atol=1e-13)
-    assert_allclose(bend, exact.derivative(2)(times)[:, 0], atol=1e-12)
+    assert_allclose(curvature, exact.derivative(2)(times)[:, 0], atol=1e-12)
 
 
 def test_a_drive_that_indexes_stands_still_in_its_dwells():
-    """A quarter turn in a part of each cycle: its mean speed is that of the quarter."""
+    """The crank makes a quarter turn in each cycle, which gives its mean speed."""
     drive = Drive(
         "crank", frequency=8.0, angle=0.3, rises=[Rise(0.0, 2.0, 0.25 * TURN, "3-4-5")]
     )
     assert drive.mean_speed == pytest.approx(2.0)
     cycle = TURN / 8.0
     dwell = np.array([0.7, 1.7, 2.7, 3.7, 4.7]) * cycle
-    angle, speed, faster = drive.motion(dwell)
+    angle, speed, acceleration = drive.motion(dwell)
     assert_allclose(angle, 0.3 + 0.25 * TURN * np.arange(1, 6), rtol=1e-15)
     assert np.abs(speed).max() < 1e-14
-    assert np.abs(faster).max() < 1e-13
+    assert np.abs(acceleration).max() < 1e-13
 
 
 def test_a_run_up_is_smooth_and_ends_in_step():
-    """Each derivative is that of the one before; half of the time has passed at the end."""
+    """Speed and acceleration are derivatives; the run-up of 4 s costs 2 s of motion."""
     time = np.linspace(-0.5, 6.0, 200)
     h = 1e-5
-    levels, up, down = (
-        np.transpose([run_up_motion(4.0, t) for t in time + shift])
-        for shift in (0.0, h, -h)
-    )
+
+    def motion_at(times: Array) -> Array:
+        return np.transpose([run_up_motion(4.0, t) for t in times])
+
+    levels = motion_at(time)
+    slope = (motion_at(time + h) - motion_at(time - h)) / (2.0 * h)
     for level in (0, 1):
-        slope = (up[level] - down[level]) / (2.0 * h)
-        assert_allclose(slope, levels[level + 1], atol=1e-9)
+        assert_allclose(slope[level], levels[level + 1], atol=1e-9)
     late = time > 4.0
     assert_array_equal(levels[0][late], time[late] - 2.0)
     assert run_up_motion(4.0, 0.0) == (0.0, 0.0, 0.0)

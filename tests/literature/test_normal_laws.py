@@ -39,7 +39,7 @@ PLAN = Plan(4e-3, 1)
 
 
 def impact(law: NormalLaw, engine: Engine, speed: float = SPEED) -> Run:
-    """A free pin on its free bearing under a law; see ``references.Impact``."""
+    """Run the impact of a free pin on a free bearing; see ``references.Impact``."""
     case = references.Impact(1.0, STIFFNESS, speed, CLEARANCE)
     joint = replace(case.linkage.clearances[0], normal=law)
     run = finished(
@@ -52,8 +52,7 @@ def impact(law: NormalLaw, engine: Engine, speed: float = SPEED) -> Run:
 
 
 def kelvin_voigt_restitution(part: float) -> float:
-    """Restitution of a linear spring with a damper of so much of the critical damping.
-
+    """Return the restitution of a linear spring with a part of the critical damping.
     The force ends where spring and damper cancel (Schwager and Poeschel, 2007).
     """
     if part == 1.0:
@@ -62,33 +61,28 @@ def kelvin_voigt_restitution(part: float) -> float:
         root = math.sqrt(part**2 - 1.0)
         return math.exp(-part / root * math.log((part + root) / (part - root)))
     root = math.sqrt(1.0 - part**2)
-    # The phase at which damper and spring cancel, between 0 and pi.
-    return math.exp(-part / root * math.atan2(2.0 * part * root, 2.0 * part**2 - 1.0))
+    # Phase at which damper and spring cancel, between 0 and pi
+    phase = math.atan2(2.0 * part * root, 2.0 * part**2 - 1.0)
+    return math.exp(-part / root * phase)
 
 
-@pytest.mark.parametrize(
-    ("law", "nominal", "expected"),
-    [
-        (law, *one)
-        for law, values in references.DELIVERED.items()
-        for one in values.items()
-    ],
-)
-def test_factors_and_restitution_as_printed(law, nominal, expected):
-    printed = {
-        "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
-        "hunt-crossley": 1.5 * (1.0 - nominal),
-        "flores": 8.0 * (1.0 - nominal) / (5.0 * nominal),
-        "gonthier": (1.0 - nominal**2) / nominal,
-    }[law]
-    assert DAMPINGS[law].factor(nominal) == pytest.approx(printed, rel=1e-14)
-    # Some values are printed to eight digits: half a unit of the last.
-    assert delivered_restitution(printed) == pytest.approx(expected, abs=6e-9)
+@pytest.mark.parametrize("law", references.DELIVERED)
+def test_factors_and_restitution_as_printed(law):
+    for nominal, expected in references.DELIVERED[law].items():
+        printed = {
+            "lankarani-nikravesh": 0.75 * (1.0 - nominal**2),
+            "hunt-crossley": 1.5 * (1.0 - nominal),
+            "flores": 8.0 * (1.0 - nominal) / (5.0 * nominal),
+            "gonthier": (1.0 - nominal**2) / nominal,
+        }[law]
+        assert DAMPINGS[law].factor(nominal) == pytest.approx(printed, rel=1e-14)
+        # Some values are printed to eight digits: half a unit of the last.
+        assert delivered_restitution(printed) == pytest.approx(expected, abs=6e-9)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 2.0, 2.2])
 def test_restitution_and_depth_hold_for_any_exponent(exponent):
-    """An elastic impact of a linear spring lasts half a sine."""
+    """The duration is compared for an elastic linear spring: half a period."""
     for damping in (0.0, 0.4):
         law = NormalLaw(1e7 if exponent == 1.0 else STIFFNESS, exponent, damping)
         run = impact(law, ENGINES[0][0])
@@ -100,10 +94,9 @@ def test_restitution_and_depth_hold_for_any_exponent(exponent):
         assert depth == pytest.approx(closed, rel=2e-3)
         contact = first_contact(run)
         if exponent == 1.0 and damping == 0.0:
-            lasts = math.pi * math.sqrt(MASS / law.stiffness)
-            assert contact["separation"] - contact["touchdown"] == pytest.approx(
-                lasts, rel=1e-8
-            )
+            duration = contact["separation"] - contact["touchdown"]
+            half_period = math.pi * math.sqrt(MASS / law.stiffness)
+            assert duration == pytest.approx(half_period, rel=1e-8)
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
@@ -131,8 +124,8 @@ def test_kelvin_and_voigt_have_the_closed_form(part, engine: Engine, bound):
 
 
 @pytest.mark.parametrize("part", [1e-9, 1e-5, 1e-3, 0.05, 0.5, 3.0])
-def test_elastic_forces_are_what_they_are_named_for(part):
-    """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
+def test_elastic_forces_and_energies(part):
+    """Liu's law is compared as printed, the foundation with a quadrature over the arc."""
     depth = part * CLEARANCE
     bearing = Bearing(
         CLEARANCE, width=0.03, materials=Materials(206e9, 110e9), elasticity="liu"
@@ -143,7 +136,8 @@ def test_elastic_forces_are_what_they_are_named_for(part):
     printed *= math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
     assert elastic_of(liu, depth)[0] == pytest.approx(printed, rel=1e-13)
 
-    bed = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
+    law = NormalLaw(STIFFNESS, elasticity="foundation")
+    foundation = normal_record(law, CLEARANCE)
     stiffness = 0.75 * STIFFNESS * math.sqrt(0.5 * CLEARANCE)
     eccentricity = CLEARANCE + depth
     half = math.acos(CLEARANCE / eccentricity) if part > 1e-6 else math.sqrt(2.0 * part)
@@ -157,26 +151,25 @@ def test_elastic_forces_are_what_they_are_named_for(part):
 
     force = integral(lambda x: stiffness * overlap(x) * math.cos(x), -half, half)
     energy = integral(lambda x: 0.5 * stiffness * overlap(x) ** 2, -half, half)
-    found = elastic_of(bed, depth)
-    assert found[0] == pytest.approx(force, rel=1e-9)
-    assert found[1] == pytest.approx(energy, rel=1e-9)
-    for law in (liu, bed):
-        work = integral(lambda x, law=law: elastic_of(law, x)[0], 0.0, depth)
-        assert elastic_of(law, depth)[1] == pytest.approx(work, rel=1e-9)
+    assert elastic_of(foundation, depth)[0] == pytest.approx(force, rel=1e-9)
+    assert elastic_of(foundation, depth)[1] == pytest.approx(energy, rel=1e-9)
+    for record in (liu, foundation):
+        work = integral(lambda x, record=record: elastic_of(record, x)[0], 0.0, depth)
+        assert elastic_of(record, depth)[1] == pytest.approx(work, rel=1e-9)
 
 
 def test_small_contacts_have_the_stiffness_of_the_law():
-    """That of Liu is 8.6e10 N/m^1.5 for the press of the paper, the printed one 1.25e10."""
+    """It is 8.6e10 N/m^1.5 by Liu for the press of the paper, which prints 1.25e10."""
+
+    def stiffness_of(bearing: Bearing) -> float:
+        return normal_law_of(bearing, CONVENTIONS["paper"]).stiffness
+
     press = Bearing(0.8e-3)
     conforming = replace(press, elasticity="liu")
     measured = replace(conforming, contact_stiffness=2e9)
-    assert normal_law_of(conforming, CONVENTIONS["paper"]).stiffness == pytest.approx(
-        8.63e10, rel=1e-3
-    )
-    assert normal_law_of(press, CONVENTIONS["paper"]).stiffness == pytest.approx(
-        1.25e10, rel=0.01
-    )
-    assert normal_law_of(measured, CONVENTIONS["paper"]).stiffness == 2e9
+    assert stiffness_of(conforming) == pytest.approx(8.63e10, rel=1e-3)
+    assert stiffness_of(press) == pytest.approx(1.25e10, rel=0.01)
+    assert stiffness_of(measured) == 2e9
 
 
 @pytest.mark.parametrize("elasticity", ["liu", "foundation"])
@@ -202,28 +195,27 @@ def soft(penetration, rate, onset_speed):
 
 
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
-def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound):
-    """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
+def test_a_user_law_has_the_closed_form(engine: Engine, bound):
+    """The user law is a power of 1.3 with chi = 0.4."""
     run = impact(
         NormalLaw(STIFFNESS, user_law=UserFunction("soft", SOFT).trusted()), engine
     )
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
 
 
-def test_two_laws_of_one_name_share_nothing():
-    """The same name and another text, one after the other in one process, then the first again."""
-    other = UserFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
+def test_two_laws_with_one_name_are_distinguished():
+    """Laws with one name and different texts run in turn in one process."""
+    first = UserFunction("soft", SOFT).trusted()
+    second = UserFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
+    first_again = UserFunction("soft", SOFT)
     engine = ENGINES[0][0]
-    seen = [
-        delivered(impact(NormalLaw(STIFFNESS, user_law=own), engine), SPEED)
-        for own in (
-            UserFunction("soft", SOFT).trusted(),
-            other,
-            UserFunction("soft", SOFT),
-        )
+    restitutions = [
+        delivered(impact(NormalLaw(STIFFNESS, user_law=law), engine), SPEED)
+        for law in (first, second, first_again)
     ]
-    assert seen[0] == seen[2] == pytest.approx(delivered_restitution(0.4), abs=1e-8)
-    assert seen[1] == pytest.approx(delivered_restitution(0.8), abs=1e-8)
+    expected = pytest.approx(delivered_restitution(0.4), abs=1e-8)
+    assert restitutions[0] == restitutions[2] == expected
+    assert restitutions[1] == pytest.approx(delivered_restitution(0.8), abs=1e-8)
     plain = impact(NormalLaw(STIFFNESS, 1.5, 0.3), engine)
     assert delivered(plain, SPEED) == pytest.approx(
         delivered_restitution(0.3), abs=1e-8

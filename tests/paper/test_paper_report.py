@@ -128,8 +128,8 @@ def test_every_figure_has_its_counterpart_with_the_printed_values():
         marked = [line for line in lines if line.get_gid() == "printed"]
         values = [float(np.ravel(line.get_xdata())[0]) for line in marked]
         quantity = "angle" if number < 17 else ""
-        shown = [one for one in PRINTED if one.figure[:-1] == f"{number}"]
-        printed = [one.value for one in shown if quantity in ("", one.quantity)]
+        shown = [entry for entry in PRINTED if entry.figure[:-1] == f"{number}"]
+        printed = [entry.value for entry in shown if quantity in ("", entry.quantity)]
         expected = np.degrees(printed) if quantity else np.array(printed)
         np.testing.assert_allclose(sorted(values), sorted(expected))
     worn = every_evidence().wear_map(BASE, Place(WEAR, 1, "A"))

@@ -52,8 +52,8 @@ def with_shoe(offset: float) -> Linkage:
     joints = [*press.revolutes, pw.Pin("shoe", "shoe.centre", "slider.centre")]
     guides = [replace(guide, body="shoe") for guide in press.guides]
     bodies = [
-        replace(one, inertia=60.0) if one.name == "slider" else one
-        for one in press.bodies
+        replace(body, inertia=60.0) if body.name == "slider" else body
+        for body in press.bodies
     ]
     return press.changed(
         bodies=[*bodies, shoe],

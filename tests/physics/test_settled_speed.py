@@ -10,7 +10,9 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 
 TURN = 2.0 * math.pi
-RATED, SLIP, RATIO = 20.0, 0.08, 24.0  # N m, -, -
+RATED = 20.0  # torque, N m
+SLIP = 0.08  # at the rated torque
+RATIO = 24.0  # speed of the motor over that of the crank
 LINE: dict[str, Any] = {"torque": RATED, "slip": SLIP, "breakdown": None}
 
 
@@ -44,13 +46,13 @@ def test_a_line_motor_under_a_constant_moment(speed):
     )
 
 
-def test_a_no_load_speed_of_its_own():
+def test_a_specified_no_load_speed():
     motor = pw.Motor(**LINE, ratio=RATIO, no_load_speed=1.1 * RATIO * TURN)
     assert rate_of(braked(480.0, motor)) == pytest.approx(1.1 * (1.0 - SLIP), abs=1e-12)
 
 
 def test_an_induction_motor_under_a_constant_moment():
-    """Kloss's equation gives the moment back at the slip of the start, below breakdown."""
+    """The slip of the start is below breakdown and satisfies Kloss's equation."""
     motor = pw.Motor(RATED, slip=SLIP, breakdown=2.75, ratio=RATIO)
     peak = motor.breakdown_slip or 0.0
     for moment in (100.0, 480.0, 1300.0):

@@ -33,8 +33,10 @@ def on_wall(depth: Array) -> tuple[Linkage, float]:
     """Return the swinging slide with a worn left wall, and half the force over the stiffness."""
     linkage, _ = swinging_slide()
     corners = tuple(
-        replace(one, bearing_surface=Surface(depth) if one.side > 0.0 else Surface())
-        for one in linkage.corners
+        replace(
+            corner, bearing_surface=Surface(depth) if corner.side > 0.0 else Surface()
+        )
+        for corner in linkage.corners
     )
     sink = 0.5 * FORCE / corners[0].normal.stiffness
     return replace(linkage, clearances=corners), sink

@@ -24,7 +24,7 @@ Level = tuple[float, float, float]
 
 
 def swing(time: float, bottom: float) -> Level:
-    """Place, velocity and acceleration of -cos, lowest at a time, with a harmonic above."""
+    """Return place, velocity and acceleration of -cos and a harmonic, lowest at ``bottom``."""
     angle = SPEED * (time - bottom)
     return (
         -math.cos(angle) - 0.05 * math.cos(3.0 * angle),
@@ -35,18 +35,18 @@ def swing(time: float, bottom: float) -> Level:
 
 @given(st.floats(1e-7, 3e-3), st.floats(0.0, 1.0))
 def test_lowest_place_in_a_step_is_that_of_the_motion(length, part):
-    """A sine, closed form: within the stated bound, and far below 1e-10 m at usual steps."""
+    """The error is within the bound of the interpolation, which is below 1e-10 m."""
     begin = -part * length
     place, since = lowest_between(length, swing(begin, 0.0), swing(begin + length, 0.0))
     bound = length**6 / 46080.0 * SPEED**6 * (1.0 + 0.05 * 3.0**6)
     assert bound < 1e-10
     assert abs(place + 1.05) <= bound + 4e-16
-    # Where it is flat, a place to round-off fixes a time to its root only.
+    # Near its bottom the motion is flat: round-off of the place gives 1e-8 in time.
     assert abs(begin + since) <= 1e-8
 
 
 def twice_down(time: float, bottom: float) -> Level:
-    """Motion that is lowest, -1.2, at a time; half a period later it has a bottom of -0.8."""
+    """Return a motion with bottoms of -1.2 at ``bottom`` and -0.8 half a period later."""
     angle = SPEED * (time - bottom)
     return (
         -math.cos(2.0 * angle) - 0.2 * math.cos(angle),
@@ -62,7 +62,7 @@ def recorded(
     seed: int,
     motion_at: Callable[[float, float], Level] = swing,
 ) -> np.ndarray:
-    """Rows of bottoms, by steps of random lengths that end with the cycles."""
+    """Return height and time of the bottom of each cycle, from steps of random lengths."""
     scene = ideal()
     plan = Plan(PERIOD, cycles, stroke=stroke)
     recorder = recorder_of(scene.linkage(), start_of(scene), plan)
@@ -81,16 +81,17 @@ def recorded(
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-0.249, 0.75), st.floats(-1e-3, 1e-3), st.integers(0, 1000))
-def test_every_stroke_has_one_bottom(place, off, seed):
-    """The window is about the ideal's bottom, by which the motion's is off, and ends in a cycle."""
-    at = PERIOD * place
-    rows = recorded(
-        at + PERIOD * off, (at - 0.25 * PERIOD, at + 0.25 * PERIOD), 5, seed
-    )
-    first = 1 if place <= max(0.0, -off) else 0
+def test_every_stroke_has_one_bottom(place, shift, seed):
+    """The bottom is searched for within a quarter of a period of the ideal bottom."""
+    ideal_bottom = PERIOD * place
+    bottom = PERIOD * (place + shift)
+    window = ideal_bottom - 0.25 * PERIOD, ideal_bottom + 0.25 * PERIOD
+    rows = recorded(bottom, window, 5, seed)
+    # A bottom before the start is not recorded.
+    first = 1 if place <= max(0.0, -shift) else 0
     strokes = np.arange(5)[first:]
     assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
-    assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
+    assert rows[first:, 1] == pytest.approx(bottom + PERIOD * strokes, abs=1e-6)
 
 
 @pytest.mark.parametrize("bottom", [0.25, 0.75])
@@ -104,15 +105,14 @@ def test_the_deeper_of_two_bottoms_of_a_stroke_is_stored(bottom):
 @pytest.mark.parametrize(("begin", "end"), [(0.6, 0.9), (0.1, 0.4)])
 def test_a_place_out_of_the_window_is_no_bottom(begin, end):
     """The motion is lowest at 0.5; in the window it is lowest at the nearer end."""
+    bottom = 0.5 * PERIOD
     window = PERIOD * begin, PERIOD * end
-    heights = recorded(0.5 * PERIOD, window, 4, 3)[:, 0]
-    step = 0.02 * PERIOD
-    nearer, inside = (0.6, step) if begin > 0.5 else (0.4, -step)
-    lowest = swing(nearer * PERIOD, 0.5 * PERIOD)[0]
-    assert np.all(
-        heights >= min(lowest, swing(nearer * PERIOD - inside, 0.5 * PERIOD)[0])
-    )
-    assert np.all(heights <= swing(nearer * PERIOD + inside, 0.5 * PERIOD)[0])
+    heights = recorded(bottom, window, 4, 3)[:, 0]
+    nearer = min(window, key=lambda time: abs(time - bottom))
+    # A step is at most 0.02 of a period.
+    outward = math.copysign(0.02 * PERIOD, nearer - bottom)
+    assert np.all(heights >= swing(nearer - outward, bottom)[0])
+    assert np.all(heights <= swing(nearer + outward, bottom)[0])
 
 
 @pytest.mark.parametrize("engine", ["dae", "exudyn"])

@@ -156,7 +156,9 @@ def test_a_result_names_joints_whose_pins_sink_in_deep(force, joints, struck):
     assert sum("an impact of the same" in line for line in sentences) == len(struck)
     assert all(f"energy is, at joint {struck}," in line for line in sentences if struck)
     assert all("; at joint" not in line for line in sentences)
-    card = next(one for one in key_numbers(result) if one.name == "Peak joint force")
+    card = next(
+        number for number in key_numbers(result) if number.name == "Peak joint force"
+    )
     assert "by contact law" not in card.interval  # of C
     assert len(sentences) == min(joints, 1)
     assert all(

@@ -39,28 +39,26 @@ SETTINGS: dict[str, Any] = {
     "angles": 90,
     "C.angles": 60,
 }
+# Two replicates of two cycles, a wear update in steps and a second stage: a campaign with
+# every kind of checkpoint. The wear maps of its joints have different bins.
 SCENE = pw.scenes.wear_times(**SETTINGS)
-"""Two starts of two cycles, a wear in steps, and again: every kind of place to stop at.
-
-With maps of different bins at its joints.
-"""
 
 
 class Stop(BaseException):
-    """Raised as a signal would be."""
+    """Interruption of a run, like that of a signal."""
 
 
 @dataclass
 class Acting(pw.engines.Observer):
-    """Calls a function at the n-th checkpoint of a campaign; 0: never."""
+    """Observer that calls a function at one checkpoint of a campaign."""
 
-    place: int
+    checkpoint: int  # number of the checkpoint, from 1; 0: the function is not called
     act: Callable[[], object]
     count: int = 0
 
     def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
         self.count += 1
-        if self.count == self.place:
+        if self.count == self.checkpoint:
             self.act()
 
 
@@ -82,7 +80,7 @@ def whole(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
-    """A run that was stopped in the middle of a wear in steps."""
+    """Folder of a run that was stopped in the middle of a wear update in steps."""
     path = tmp_path_factory.mktemp("stopped") / "out"
     with pytest.raises(Stop):
         run(path, stop=7)
@@ -91,28 +89,29 @@ def stopped(tmp_path_factory):
 
 @pytest.fixture
 def halted(stopped, tmp_path):
-    """A copy of it."""
+    """Copy of the folder of the stopped run."""
     return Path(shutil.copytree(stopped, tmp_path / "halted"))
 
 
-def test_a_campaign_goes_on_from_wherever_it_stood(whole, tmp_path):
-    """Stopped again and again, each time one place further: every place is one to go on from."""
+def test_a_campaign_resumes_from_each_checkpoint(whole, tmp_path):
+    """The campaign is stopped at each checkpoint and resumed from it."""
     steps = pw.load(whole).stages[0].wear_steps
     assert len(steps) > 1
     path = tmp_path / "out"
-    places = 0
-    while True:
-        # The first place is the one that it goes on from.
+    stops = 0
+    is_complete = False
+    while not is_complete:
+        # A resumed campaign first stores the checkpoint from which it resumes.
+        next_checkpoint = 1 if stops == 0 else 2
         try:
-            run(path, resume=True, stop=1 if places == 0 else 2)
-            break
+            run(path, resume=True, stop=next_checkpoint)
+            is_complete = True
         except Stop:
-            places += 1
-    # Two cycles of both replicates for each step and the last stage, and the end of the
-    # stage.
-    assert places >= 2 * (len(steps) + 1)
+            stops += 1
+    # Both replicates have two cycles in each step and in the last stage.
+    assert stops >= 2 * (len(steps) + 1)
     assert folder_differences(whole, path) == []
-    assert len(pw.load(path).provenance["resumed"]) == places
+    assert len(pw.load(path).provenance["resumed"]) == stops
     files = {f"{kind}-{index}.npz" for kind in ("stage", "film") for index in (0, 1)}
     assert {item.name for item in path.iterdir()} == {"result.json", *files}
 
@@ -126,7 +125,7 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole, tmp_path):
         ({"packages": {}}, "exudyn is missing there"),
     ],
 )
-def test_other_program_is_refused(change, words, halted):
+def test_another_program_is_refused(change, words, halted):
     scene = SCENE
     if change is None:
         scene = replace(SCENE, cycles=3, bearings=replace(SCENE.bearings, friction=0.3))
@@ -143,10 +142,9 @@ def test_other_program_is_refused(change, words, halted):
 def test_a_wrong_checkpoint_is_named_and_left(halted, tmp_path):
     with pytest.raises(Stop):
         run(tmp_path / "other", stop=3)
-    file, other = (
-        next(path.glob("checkpoint-*.npz")) for path in (halted, tmp_path / "other")
-    )
-    for data in (file.read_bytes()[:-1], other.read_bytes()):
+    file = next(halted.glob("checkpoint-*.npz"))
+    different = next((tmp_path / "other").glob("checkpoint-*.npz"))
+    for data in (file.read_bytes()[:-1], different.read_bytes()):
         file.write_bytes(data)
         with refused(f"{file.name} is cut off or altered"):
             ResultFolder(halted, SCENE, resume=True)
@@ -203,7 +201,7 @@ def test_a_full_disk_ends_the_run_with_one_line(whole, tmp_path, monkeypatch):
     assert folder_differences(whole, path) == []
 
 
-def test_a_folder_that_is_gone_ends_the_run(tmp_path):
+def test_a_folder_that_was_removed_ends_the_run(tmp_path):
     path = tmp_path / "out"
     removing = Acting(1, lambda: shutil.rmtree(path))
     with pytest.raises(pw.RunFailed, match=f"{path} was removed or replaced"):
@@ -211,7 +209,7 @@ def test_a_folder_that_is_gone_ends_the_run(tmp_path):
     assert not path.exists()
 
 
-def test_no_finished_stage_no_report(tmp_path, command):
+def test_there_is_no_report_without_a_finished_stage(tmp_path, command):
     path = tmp_path / "out"
     with pytest.raises(Stop):
         run(path, stop=1)
@@ -219,7 +217,9 @@ def test_no_finished_stage_no_report(tmp_path, command):
     assert command(f"report {path}", 2).endswith(f"continue with: presswear {line}\n")
 
 
-def test_the_command_goes_on_and_ends_as_if_never_stopped(halted, whole, command):
+def test_a_resumed_command_has_the_result_of_an_uninterrupted_one(
+    halted, whole, command
+):
     resume = f"--resume --out {halted} --no-report"
     refused = command(f"run friction {resume}", 2)
     assert "it holds a run of wear-times, not of friction" in refused
@@ -234,7 +234,7 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(halted, whole, command
 
 
 def test_maps_of_different_bins_are_stored_and_shown(whole):
-    """Each joint's arrays, statistics, figures and report are over its own angles."""
+    """Arrays, statistics, figures and report of a joint are over the angles of its map."""
     result = pw.load(whole)
     data = result.stages[1].arrays
     for name, bins in (("A", 90), ("C", 60)):
@@ -243,8 +243,8 @@ def test_maps_of_different_bins_are_stored_and_shown(whole):
         joint = result.stages[1].joints[name]
         numbers = result.stages[0].statistics.joints[name]
         worn = sum(float(joint.depth(side).mean()) for side in SIDES)
-        (gap,) = (own for own in SCENE.linkage().clearances if own.name == name)
-        volume = worn * 2.0 * math.pi * gap.bearing_radius * gap.width
+        (pin,) = (pin for pin in SCENE.linkage().clearances if pin.name == name)
+        volume = worn * 2.0 * math.pi * pin.bearing_radius * pin.width
         assert numbers.wear_volume.mean == pytest.approx(volume, rel=1e-12)
     assert render_report(result)
 
@@ -294,11 +294,11 @@ def test_a_document_is_read_and_written_unchanged(document, tmp_path):
 )
 def test_wrong_parts(document, tmp_path, place, value, says):
     changed = json.loads(document)
-    owner: Any = changed
-    *keys, last = place.split()
+    part: Any = changed
+    *keys, last = (int(key) if key.isdigit() else key for key in place.split())
     for key in keys:
-        owner = owner[int(key) if isinstance(owner, list) else key]
-    owner[int(last) if isinstance(owner, list) else last] = value
+        part = part[key]
+    part[last] = value
     (tmp_path / FILE).write_text(json.dumps(changed))
     with refused(f"{FILE}.*{says}"):
         read_stored(tmp_path)
@@ -351,9 +351,8 @@ def test_a_link_is_refused_in_one_line(stored, tmp_path, command, kind, link, li
     (outside / "file").write_text("nothing may be written here\n")
     if (folder / link).is_dir():
         shutil.rmtree(folder / link)
-    (folder / link).symlink_to(
-        outside / ("file" if "." in link or link == "lock" else "")
-    )
+    is_file = "." in link or link == "lock"
+    (folder / link).symlink_to(outside / "file" if is_file else outside)
     message = command(line.format(folder=folder, kind=kind), 2)
     assert f"{folder / link}: this is a link" in message
     assert [path.name for path in outside.iterdir()] == ["file"]

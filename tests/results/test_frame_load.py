@@ -41,7 +41,9 @@ def test_a_stop_stretches_the_frame():
     result = on_frame(pw.Coining(stiffness=STOP, height=2e-4), damping=0.5)
     (load,) = frame_loads(result.scene, result.stages[0]).values()
     (stretch,) = [
-        one for one in key_numbers(result) if one.name == "Stretch of the frame"
+        number
+        for number in key_numbers(result)
+        if number.name == "Stretch of the frame"
     ]
     assert stretch.meaning.endswith(
         "; both from rest under the carried weight, 9\u202f910 N."
@@ -59,7 +61,9 @@ def test_a_frame_without_weight_has_no_weight_in_the_report():
     frame = {"frame_mass": 600.0, "frame_stiffness": FRAME, "gravity": 0.0}
     result = pressed(pw.Coining(stiffness=STOP, height=2e-4), **frame)
     (stretch,) = [
-        one for one in key_numbers(result) if one.name == "Stretch of the frame"
+        number
+        for number in key_numbers(result)
+        if number.name == "Stretch of the frame"
     ]
     assert "weight" not in stretch.meaning
 
@@ -77,7 +81,7 @@ def test_the_frame_swings_back_after_a_fracture():
     assert load.reverse_force.mean == pytest.approx(
         math.exp(-0.05 * math.pi) * at_break, rel=0.1
     )
-    lines = {one.number.name: one for one in limit_lines(result.scene, stage)}
+    lines = {line.number.name: line for line in limit_lines(result.scene, stage)}
     line = lines["Reverse force of the frame"]
     assert (line.limit, line.verdict.word) == ("10 %", "above the limit")
     assert "reverse force over greatest force" in f"{stage_tables(result)['tonnage']}"
@@ -95,9 +99,9 @@ def test_a_reverse_force_above_10_percent_is_warned_of(damping, excessive):
     part = -load.min() / load.max()
     assert part == pytest.approx(0.1, abs=0.02)
     (line,) = [
-        one
-        for one in limit_lines(result.scene, stage)
-        if one.number.name == "Reverse force of the frame"
+        line
+        for line in limit_lines(result.scene, stage)
+        if line.number.name == "Reverse force of the frame"
     ]
     assert (line.verdict.word == "above the limit") == excessive == (part > 0.1)
 
@@ -120,7 +124,7 @@ def test_an_elastic_pin_carries_the_work_and_the_inertia_of_the_slide():
     assert "greatest in a stroke, snap-through" in table
     columns = table_of(result, 0)
     assert FRAME * columns["B_stretch"].max() == pytest.approx(
-        max(one.mean for one in forces.values()), rel=1e-3
+        max(estimate.mean for estimate in forces.values()), rel=1e-3
     )
 
 

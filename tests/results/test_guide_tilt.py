@@ -77,9 +77,9 @@ def test_tilts_are_those_of_the_film(result, tilt):
     assert rows == pytest.approx(angle, abs=2e-6)
     strokes = result.strokes(0)
     for name, instant in (("touch", "contact"), ("fracture", "fracture")):
-        # the only complete stroke is from half a turn on
-        when = getattr(strokes, instant)[0, 0]
-        after = int(np.searchsorted(film.time, when))
+        # The only complete stroke begins half a turn after the start.
+        time = getattr(strokes, instant)[0, 0]
+        after = int(np.searchsorted(film.time, time))
         low, high = np.sort(np.abs(angle[after - 1 : after + 1]))
         # The slide rattles from wall to wall between two frames.
         assert low - 5e-6 < getattr(tilt, name).mean < high + 5e-6
@@ -88,7 +88,7 @@ def test_tilts_are_those_of_the_film(result, tilt):
 
 
 def test_the_friction_loss_is_that_of_the_energy_balance(result, tilt):
-    """The second of two cycles is the sample; without wear the series alone has the loss."""
+    """Only the second cycle is sampled. Without wear the loss comes from the series."""
     stage = result.stages[0]
     corners = [stage.joints[f"guide {corner}"] for corner in CORNERS]
     loads = [_load_of(stage.time, corner, 0.1) for corner in corners]
@@ -101,12 +101,15 @@ def test_the_friction_loss_is_that_of_the_energy_balance(result, tilt):
 def test_shares_and_corner_force_by_the_rows(result, tilt):
     stage = result.stages[0]
     joints = [stage.joints[f"guide {corner}"] for corner in CORNERS]
-    assert sum(one.mean for one in tilt.time_shares.values()) == pytest.approx(1.0)
-    assert sum(one.mean for one in tilt.load_shares.values()) == pytest.approx(1.0)
+    for shares in (tilt.time_shares, tilt.load_shares):
+        assert sum(share.mean for share in shares.values()) == pytest.approx(1.0)
     rows = (stage.time >= 0.5) & (stage.time <= 1.5)
     time = stage.time[rows]
-    lf, lb, rf, rb = (joint.penetration[rows] > 0.0 for joint in joints)
-    opposite = ((lf & rb) | (lb & rf)).astype(float)
+    left_front, left_back, right_front, right_back = (
+        joint.penetration[rows] > 0.0 for joint in joints
+    )
+    is_opposite = (left_front & right_back) | (left_back & right_front)
+    opposite = is_opposite.astype(float)
     share = float(np.trapezoid(opposite, time)) / (time[-1] - time[0])
     name = "two opposite corners"
     assert tilt.time_shares[name].mean == pytest.approx(share, abs=2e-3)
@@ -118,11 +121,8 @@ def test_shares_and_corner_force_by_the_rows(result, tilt):
 
 
 def test_the_report_has_the_tilt(result):
-    (line,) = [
-        one
-        for one in limit_lines(result.scene, result.stages[0])
-        if one.number.name == "Tilt of the slide"
-    ]
+    lines = limit_lines(result.scene, result.stages[0])
+    (line,) = [line for line in lines if line.number.name == "Tilt of the slide"]
     assert (line.limit, line.verdict.word) == ("50 µm/m", "above the limit")
     jams = replace(result, scene=press(offset=1.0, friction=0.21))
     assert any("self-locking" in line for line in warnings(jams))
@@ -137,15 +137,15 @@ def test_the_walls_wear_by_the_load_distance_of_their_corners(result):
     coefficient = result.scene.bearing("guide").materials.wear_coefficient
     place, depth = stage.wall_wear("guide")
     area = 0.1 * (place[1] - place[0])
-    for side, each in zip(("left", "right"), depth, strict=True):
+    for side, depth_of_side in zip(("left", "right"), depth, strict=True):
         corners = [stage.joints[f"guide {side} {end}"] for end in ("front", "back")]
-        # of two cycles the second one is the sample
-        load = sum(one.each_cycle("load_distance")[-1] for one in corners)
+        # Only the second cycle is sampled.
+        load = sum(corner.each_cycle("load_distance")[-1] for corner in corners)
         volume = walls[side].volume_per_cycle.mean
         assert volume == pytest.approx(coefficient * load, rel=1e-9)
-        assert area * each.sum() == pytest.approx(volume, rel=1e-12)
-        assert walls[side].depth_per_cycle.mean == each.max() > 0.0
-        assert walls[side].place == place[each.argmax()]
+        assert area * depth_of_side.sum() == pytest.approx(volume, rel=1e-12)
+        assert walls[side].depth_per_cycle.mean == depth_of_side.max() > 0.0
+        assert walls[side].place == place[depth_of_side.argmax()]
     # The work presses the slide into two opposite corners at the bottom of the stroke.
     bottom = -0.64 - guide.y
     assert walls["left"].place == pytest.approx(bottom + 0.5 * L, abs=0.01)
@@ -158,7 +158,8 @@ def test_printed_stages_have_the_wear_of_the_walls(result):
     console = Console(file=io.StringIO(), width=200)
     RunObserver(progress_bar(console), result.scene).on_stage(stage)
     assert isinstance(console.file, io.StringIO)
-    (line,) = [one for one in console.file.getvalue().splitlines() if "wear per" in one]
+    lines = console.file.getvalue().splitlines()
+    (line,) = [line for line in lines if "wear per" in line]
     for side in ("left", "right"):
         volume = walls[side].volume_per_cycle.scaled(1e15)
         assert f"{side} wall of guide {volume}" in line
@@ -170,23 +171,23 @@ def test_the_report_has_the_wear_of_the_walls(result):
     assert "deepest wear of the left wall per million strokes" in table
     place, depth = result.stages[0].wall_wear("guide")
     (axes,) = result.plot("walls")
-    for line, each in zip(axes.lines, depth, strict=True):
+    for line, depth_of_side in zip(axes.lines, depth, strict=True):
         assert np.asarray(line.get_xdata()) == pytest.approx(1e3 * place)
-        assert np.asarray(line.get_ydata()) == pytest.approx(1e12 * each)
+        assert np.asarray(line.get_ydata()) == pytest.approx(1e12 * depth_of_side)
     with refused("slide"):
         result.stages[0].wall_wear("slide")
 
 
-def test_figures_have_the_tilt_and_the_ways_between_the_walls(result):
+def test_figures_have_the_tilt_and_the_paths_between_the_walls(result):
     stage = result.stages[0]
     (guide,) = result.scene.loose_guides
     assert largest_tilt(guide, C) == pytest.approx(2.500234445e-4, rel=1e-9)
-    axes = result.plot("tilt")[0]  # beside the working zone
+    axes = result.plot("tilt")[0]  # the second panel shows the working zone
     time, tilt = axes.lines[0].get_data()
     series = 1e6 * tilt_series(stage, guide)
     assert tilt == pytest.approx(np.interp(np.asarray(time), stage.time, series))
     lines = [np.asarray(line.get_ydata()) for line in axes.lines]
-    levels = {round(float(each[0]), 6) for each in lines if each.size == 2}
+    levels = {round(float(line[0]), 6) for line in lines if line.size == 2}
     assert levels == {-250.023445, -50.0, 50.0, 250.023445}
     front, back = result.plot("corners")
     paths = corner_paths(stage, guide)
@@ -195,10 +196,10 @@ def test_figures_have_the_tilt_and_the_ways_between_the_walls(result):
     )
     for panel, corner in ((front, "left front"), (back, "left back")):
         drawn = [np.asarray(line.get_xdata()) for line in panel.lines]
-        ways = -1e6 * paths[corner]
+        path = -1e6 * paths[corner]
         assert drawn[0].size > 1000
-        assert np.isin(drawn[0], ways).all()
-        walls = sorted(float(each[0]) for each in drawn if each.size == 2)
+        assert np.isin(drawn[0], path).all()
+        walls = sorted(float(line[0]) for line in drawn if line.size == 2)
         assert walls == pytest.approx([-50.0, 50.0])
     ideal = replace(result, scene=replace(result.scene, joints="none", bearings={}))
     with refused("nothing to draw"):

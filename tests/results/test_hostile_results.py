@@ -182,7 +182,7 @@ def test_missing_arrays_are_named(received):
             plant(
                 received,
                 name,
-                packed({one: arrays[one] for one in arrays if one != key}),
+                packed({name: arrays[name] for name in arrays if name != key}),
             )
             with suppress(pw.InputError):
                 stage = pw.load(received).stages[0]

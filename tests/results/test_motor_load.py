@@ -46,7 +46,7 @@ def press(
 def verdict(result: pw.Result, name: str) -> str:
     """Return the verdict on a number beside its limit."""
     lines = limit_lines(result.scene, result.stages[0])
-    return next(one.verdict.word for one in lines if one.number.name == name)
+    return next(line.verdict.word for line in lines if line.number.name == name)
 
 
 def drop_on_the_line(result: pw.Result) -> float:
@@ -90,11 +90,13 @@ def test_loads_are_those_of_the_stored_series():
     assert speed.drop.mean == pytest.approx(least, rel=1e-7)
     assert speed.recovery is not None
     assert "slip loss per cycle" in f"{stage_tables(result)['motor']}"
-    contacts = [one.contact for one in sampled_strokes(scene, stage)]
+    contacts = [stroke.contact for stroke in sampled_strokes(scene, stage)]
     assert speed.touch.mean * TURN == pytest.approx(
         np.interp(contacts, clock, omega).mean(), rel=1e-4
     )
-    (flywheel,) = [one for one in key_numbers(result) if one.name == "Flywheel energy"]
+    (flywheel,) = [
+        number for number in key_numbers(result) if number.name == "Flywheel energy"
+    ]
     given = 0.5 * INERTIA * TURN**2 * speed.touch.mean**2 * (1.0 - (1.0 - least) ** 2)
     assert (
         f"Its drop in the work gives {quantity_text(given, 'J')}." in flywheel.meaning

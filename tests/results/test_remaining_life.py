@@ -41,11 +41,23 @@ def depth_after(strokes: Any) -> Array:
     return LAW.worn(np.zeros(np.shape(strokes)), RATE * np.asarray(strokes))
 
 
-def result_with(scene: pw.Scene, curves: dict[str, Array], step: float = 0.0) -> Result:
-    """Return a result whose life has known courses."""
-    bands = {name: np.column_stack([one] * 3) for name, one in curves.items()}
+def result_with(
+    scene: pw.Scene, curves: dict[str, Array], sampling: float = 0.0
+) -> Result:
+    """Return a result with some curves of worn depth and a sampling error."""
+    bands = {name: np.column_stack([y, y, y]) for name, y in curves.items()}
     bands["strokes"] = STROKES
-    life = LifeResult("limit", "", 7e6, step, 0.0, 0.9, (), (), curves=bands)
+    life = LifeResult(
+        ended="limit",
+        message="",
+        strokes=7e6,
+        sampling=sampling,
+        step=0.0,
+        scatter=0.9,
+        limits=(),
+        refinements=(),
+        curves=bands,
+    )
     return Result(scene, (), "completed", "", {}, 0.0, None, life)
 
 
@@ -76,13 +88,14 @@ def history(
     [(1, 2e-6, True), (4, 2e-6, True), (8, 5e-6, False)],
 )
 def test_intervals_hold_the_remaining_life(count, error, has_error):
-    """About 95 % of 40 histories whose coefficient scatters as the materials say."""
+    """About 95 % of 40 histories with the scatter of the coefficient of the materials."""
     draw = np.random.default_rng(count)
     covered = 0
     for _ in range(40):
         factor, readings = history(draw, count, error, has_error)
-        left = remaining_life(RESULT, readings).remaining
-        covered += left.low <= LIFE / factor - readings[-1].strokes <= left.high
+        prediction = remaining_life(RESULT, readings).remaining
+        exact = LIFE / factor - readings[-1].strokes
+        covered += prediction.low <= exact <= prediction.high
     low, high = stats.binom.ppf((0.001, 0.999), 40, 0.95)
     assert low <= covered <= high
 
@@ -90,16 +103,17 @@ def test_intervals_hold_the_remaining_life(count, error, has_error):
 def observed(
     values: Any, strokes: Any = (1e6, 2e6, 3e6), error: float | None = 1e-6
 ) -> Observed:
-    known = None if error is None else np.full(len(values), error)
-    return Observed(np.array(strokes, float), np.array(values, float), known, False)
+    errors = None if error is None else np.full(len(values), error)
+    return Observed(np.array(strokes, float), np.array(values, float), errors, False)
 
 
-EVEN = Shape.of(np.linspace(0.0, 8e6, 9)[1:], RATE * np.linspace(0.0, 8e6, 9)[1:], 0.0)
+EVEN_STROKES = np.linspace(1e6, 8e6, 8)
+EVEN = Shape.of(EVEN_STROKES, RATE * EVEN_STROKES, 0.0)
 
 
 @pytest.mark.parametrize("error", [3e-6, None], ids=["known", "unknown"])
 def test_posterior_is_the_integral_over_prior_and_likelihood(error):
-    """Even wear, whose readings are linear in the coefficient; errors integrated over."""
+    """Wear is linear in the coefficient here; an unknown error is integrated out."""
     values = np.array([6e-6, 9e-6, 17e-6])
     strokes = np.array([1e6, 2e6, 3e6])
     f = np.linspace(1e-3, 6.0, 200_001)
@@ -115,19 +129,19 @@ def test_posterior_is_the_integral_over_prior_and_likelihood(error):
 
 
 def test_a_joint_without_readings_keeps_the_scatter_of_its_materials():
-    """The first of two limits is that of the minimum of independent lives."""
+    """The remaining life is the minimum of the independent lives of A and C."""
     scene = pw.scenes.press_blanking(life=pw.Life(until="depth > 50 um"))
     result = result_with(scene, {"A.depth": DEPTH, "C.depth": DEPTH})
     value = float(depth_after(1e6))
-    left = remaining_life(result, [Reading("A", 1e6, "depth", value, 1e-9)])
+    prediction = remaining_life(result, [Reading("A", 1e6, "depth", value, 1e-9)])
     ends = LIFE * np.exp(1.96 * DEVIATION * np.array([-1.0, 0.0, 1.0]))
-    other = left.each["C"]
-    assert [other.low, other.mean, other.high] == pytest.approx(ends, rel=5e-3)
-    assert left.each["A"].mean == pytest.approx(LIFE, rel=2e-3)
-    # Half of the lives of C are longer than that of A, so that A ends the others.
-    assert left.remaining.high == pytest.approx(LIFE - 1e6, rel=5e-3)
-    assert left.remaining.low == pytest.approx(ends[0] - 1e6, rel=0.02)
-    assert [joint.joint for joint in left.joints] == ["A"]
+    unread = prediction.each["C"]
+    assert [unread.low, unread.mean, unread.high] == pytest.approx(ends, rel=5e-3)
+    assert prediction.each["A"].mean == pytest.approx(LIFE, rel=2e-3)
+    # C lives longer than A with a probability of one half. The limit is then that of A.
+    assert prediction.remaining.high == pytest.approx(LIFE - 1e6, rel=5e-3)
+    assert prediction.remaining.low == pytest.approx(ends[0] - 1e6, rel=0.02)
+    assert [joint.joint for joint in prediction.joints] == ["A"]
 
 
 def test_the_walls_of_a_guide_wear_beside_a_pin():
@@ -138,10 +152,10 @@ def test_the_walls_of_a_guide_wear_beside_a_pin():
     assert [limit.key for limit in scene.life_limits] == ["B.depth", "guide.depth"]
     result = result_with(scene, {"B.depth": DEPTH, "guide.depth": DEPTH})
     value = float(depth_after(1e6))
-    readings = [Reading(one, 1e6, "depth", value, 1e-9) for one in ("B", "guide")]
-    left = remaining_life(result, readings)
-    assert left.each["B"].mean == pytest.approx(LIFE, rel=2e-3)
-    assert left.each["guide"].low == pytest.approx(LIFE, rel=2e-3)
+    readings = [Reading(joint, 1e6, "depth", value, 1e-9) for joint in ("B", "guide")]
+    prediction = remaining_life(result, readings)
+    assert prediction.each["B"].mean == pytest.approx(LIFE, rel=2e-3)
+    assert prediction.each["guide"].low == pytest.approx(LIFE, rel=2e-3)
     gap = Reading("guide", 1e6, "radial_clearance", 1e-4, 1e-6)
     with refused("radial_clearance is of a pin; of the wal"):
         remaining_life(result, [gap])
@@ -151,15 +165,15 @@ def test_readings_far_from_the_prior_are_used_alone():
     """An oiled joint that wears a ten-thousandth of the coefficient of the scene."""
     strokes = np.array([1e9, 4e9, 8e9])
     readings = readings_of(strokes, depth_after(1e-4 * strokes), 1e-7)
-    left = remaining_life(RESULT, readings)
-    factor = left.joints[0].factor
+    prediction = remaining_life(RESULT, readings)
+    factor = prediction.joints[0].factor
     assert factor.low < 1e-4 < factor.high < 1.1e-4
-    assert "the readings are used alone" in left.lines[-1]
-    assert left.remaining.low < 1e4 * LIFE - 8e9 < left.remaining.high
+    assert "the readings are used alone" in prediction.lines[-1]
+    assert prediction.remaining.low < 1e4 * LIFE - 8e9 < prediction.remaining.high
 
 
 def test_clearance_when_new_is_taken_from_the_readings():
-    """A joint made with more clearance than in the scene reaches the limit sooner."""
+    """A joint with more clearance than in the scene reaches the limit sooner."""
     scene = scene_with("B.diametral_clearance > 3 x new")
     new = 2.0 * scene.bearing("B").clearance
     limit = scene.life_limits[0].value
@@ -169,15 +183,15 @@ def test_clearance_when_new_is_taken_from_the_readings():
     values = new + more + 40.0 * depth_after(strokes)
     rows = zip(strokes, values, strict=True)
     readings = [Reading("B", n, "diametral_clearance", float(d), 1e-7) for n, d in rows]
-    left = remaining_life(result, readings)
+    prediction = remaining_life(result, readings)
     depth = (limit - more - new) / 40.0
     exact = float(LAW.archard_depth(np.array(depth))) / RATE
-    assert left.remaining.mean == pytest.approx(exact - 2e6, rel=2e-3)
-    assert not left.joints[0].warnings
+    assert prediction.remaining.mean == pytest.approx(exact - 2e6, rel=2e-3)
+    assert not prediction.joints[0].warnings
     wrong = remaining_life(
         result, [Reading("B", 2e6, "diametral_clearance", values[2], 1e-7)]
     )
-    assert wrong.remaining.mean < 0.99 * left.remaining.mean
+    assert wrong.remaining.mean < 0.99 * prediction.remaining.mean
 
 
 def test_a_line_of_diametral_readings_ends_at_a_radial_limit():
@@ -190,12 +204,12 @@ def test_a_line_of_diametral_readings_ends_at_a_radial_limit():
         Reading("B", n, "diametral_clearance", 2.0 * new + 2e-10 * n, 1e-6)
         for n in strokes
     ]
-    left = remaining_life(result_with(scene, curves), readings)
-    line = left.joints[0].steady
+    prediction = remaining_life(result_with(scene, curves), readings)
+    line = prediction.joints[0].steady
     assert line.until.mean == pytest.approx(4.0 * new / 2e-10, rel=1e-6)
 
 
-def test_readings_of_another_course_are_told():
+def test_readings_that_disagree_with_the_shape_are_reported():
     """Residuals widen the interval, and the exponent is that of the readings."""
     strokes = np.linspace(0.5e6, 4e6, 8)
     values = depth_after(1e6 * (strokes / 1e6) ** 0.6)
@@ -203,13 +217,16 @@ def test_readings_of_another_course_are_told():
         remaining_life(RESULT, readings_of(strokes, course, 2e-7))
         for course in (values, depth_after(strokes))
     ]
-    unlike, alike = (one.joints[0] for one in both)
-    assert unlike.exponent.value.mean == pytest.approx(0.6, abs=1e-3)
-    assert unlike.exponent.disagrees
+    different = both[0].joints[0]
+    equal = both[1].joints[0]
+    assert different.exponent.value.mean == pytest.approx(0.6, abs=1e-3)
+    assert different.exponent.disagrees
     assert sum("disagree" in line for line in both[0].lines) == 2
-    assert alike.exponent.value.mean == pytest.approx(1.0, abs=1e-3)
-    assert not alike.warnings
-    widths = [math.log(one.factor.high / one.factor.low) for one in (unlike, alike)]
+    assert equal.exponent.value.mean == pytest.approx(1.0, abs=1e-3)
+    assert not equal.warnings
+    widths = [
+        math.log(joint.factor.high / joint.factor.low) for joint in (different, equal)
+    ]
     assert widths[0] > 3.0 * widths[1]
 
 
@@ -242,20 +259,20 @@ def test_a_line_without_wear_has_no_last_stroke():
 
 
 def test_a_limit_that_is_exceeded_leaves_no_strokes():
-    left = remaining_life(RESULT, [Reading("B", 4e6, "depth", 60e-6, 1e-6)])
-    assert left.remaining.high == 0.0
-    assert left.exceeded > 0.99
-    assert "already exceeded with a probability of over 0.99" in str(left)
+    prediction = remaining_life(RESULT, [Reading("B", 4e6, "depth", 60e-6, 1e-6)])
+    assert prediction.remaining.high == 0.0
+    assert prediction.exceeded > 0.99
+    assert "already exceeded with a probability of over 0.99" in str(prediction)
 
 
 @pytest.mark.parametrize("strokes", [3e6, 6e6])
-def test_error_of_the_computed_life_widens_the_interval(strokes):
-    """It grows as the root of the strokes from an early reading on."""
+def test_sampling_error_of_the_life_widens_the_interval(strokes):
+    """After an early reading it grows as the root of the remaining strokes."""
     value = float(depth_after(strokes))
     readings = [Reading("B", strokes, "depth", value, 1e-9)]
-    left = remaining_life(result_with(SCENE, {"B.depth": DEPTH}, 0.3), readings)
+    prediction = remaining_life(result_with(SCENE, {"B.depth": DEPTH}, 0.3), readings)
     half = 0.3 * math.sqrt(max(LIFE / strokes - 1.0, 1.0))
-    assert math.log(left.each["B"].high / LIFE) == pytest.approx(half, rel=0.02)
+    assert math.log(prediction.each["B"].high / LIFE) == pytest.approx(half, rel=0.02)
 
 
 TABLE = "joint,strokes,depth (um),error (um)"

@@ -76,9 +76,11 @@ def test_asperities_far_below_the_film_do_not_wear():
     (stage,) = result.stages
     assert stage.joints["B"].statistics.is_unworn
     assert stage.cycles_per_update == 1.0
-    assert not any("Wear per" in one.name for one in key_numbers(result))
+    assert not any("Wear per" in number.name for number in key_numbers(result))
     (film,) = run_films(result.scene, stage).values()
-    (least,) = (one for one in key_numbers(result) if one.name == "Least oil film")
+    (least,) = (
+        number for number in key_numbers(result) if number.name == "Least oil film"
+    )
     assert least.value == quantity_text(film.thickness.min(), "m")
     # Contacts of asperities neither begin nor end: they have no modes and no wear map.
     names = [drawing.file for drawing in drawings(result)]

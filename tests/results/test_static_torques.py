@@ -18,7 +18,8 @@ from presswear.tools.arrays import Array
 sys.path.append(str(Path(__file__).parents[1]))
 from slotted import BARREL, BASE, BOOM, ROD, SPEED, STROKE, boom, table
 
-STIFFNESS, HEIGHT = 1e6, 5e-3  # of the stop, N/m, and above bottom dead centre, m
+STIFFNESS = 1e6  # of the stop, N/m
+HEIGHT = 5e-3  # of the stop above bottom dead centre, m
 STOP = pw.Coining(stiffness=STIFFNESS, height=HEIGHT)
 
 
@@ -61,7 +62,7 @@ def test_forces_of_two_cylinders_under_the_work():
 
 @pytest.mark.parametrize("is_geared", [False, True])
 def test_drives_of_a_two_point_press_share_the_work(is_geared):
-    """Each bears half of force times way; the leader of gears bears all of it."""
+    """Each drive does half of the work; the leader of gears does all of it."""
     linkage = pw.TwoPoint().linkage()
     first, second = linkage.drives
     if is_geared:

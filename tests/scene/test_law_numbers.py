@@ -55,7 +55,8 @@ def scene(tmp_path):
 
 
 def values_of(scene: Scene) -> dict[str, Any]:
-    return {one.key: one.value for one in settings_of(scene) if "_law." in one.key}
+    settings = {setting.key: setting.value for setting in settings_of(scene)}
+    return {key: value for key, value in settings.items() if "_law." in key}
 
 
 def test_a_file_sets_numbers_of_laws(scene):
@@ -67,15 +68,14 @@ def test_a_file_sets_numbers_of_laws(scene):
     meaning = setting_of(scene, "B.wear_law.fade").meaning
     assert isinstance(meaning, Quantity)
     assert (meaning.unit, meaning.low, meaning.high) == ("m", 1e-7, 1e-3)
-    assert values_of(scene).keys() <= {one.key for one in used_settings_of(scene)} | {
-        "B.wear_law.fade"
-    }
+    used = {setting.key for setting in used_settings_of(scene)}
+    assert values_of(scene).keys() <= used
     assert Scene.from_dict(scene.as_dict()) == scene
     scene.check_user_laws()
 
 
 def test_a_value_reaches_the_law_in_python_and_compiled(scene):
-    """The numbers stand between the parameters."""
+    """The numbers ratio and fade may stand before or after parameters of the law."""
     scene = changed(scene, {"B.wear_law.ratio": "7", "B.wear_law.fade": "5 um"})
     law = scene.bearing("B").wear_law
     assert isinstance(law, UserFunction)

@@ -73,7 +73,7 @@ def test_keys_that_nothing_reads_are_not_listed():
 
     def keys(mechanism: Any, **settings: Any) -> set[str]:
         scene = pw.Scene(mechanism, **settings)
-        return {one.key for one in applicable_settings_of(scene)}
+        return {setting.key for setting in applicable_settings_of(scene)}
 
     rigid = keys(pw.SliderCrank())
     frame = {"frame_mass", "frame_damping"}

@@ -227,9 +227,9 @@ def test_the_working_zone_stands_beside_the_full_turn(blanking, name):
     sheet = sheet_of(name, blanking)
     panels = np.array(sheet.axes).reshape(-1, 2)
     (stroke,) = [
-        one
-        for one in sampled_strokes(blanking.scene, blanking.stages[0])
-        if one.start < panels[0, 0].get_xlim()[1] - 1e-3
+        stroke
+        for stroke in sampled_strokes(blanking.scene, blanking.stages[0])
+        if stroke.start < panels[0, 0].get_xlim()[1] - 1e-3
     ][:1]
     length = stroke.fracture + 20e-3 - stroke.contact
     ends = stroke.contact - 0.15 * length, stroke.fracture + 20e-3 + 0.15 * length

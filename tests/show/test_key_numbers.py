@@ -89,7 +89,7 @@ def test_numbers_of_several_stages_have_their_surfaces():
         name: replace(joint, wear_peaks={}) for name, joint in statistics.joints.items()
     }
     result = altered(result, 1, statistics=replace(statistics, joints=joints))
-    stages = {one.name: one.stage for one in key_numbers(result)}
+    stages = {number.name: number.stage for number in key_numbers(result)}
     worn = "after 2 million strokes"
     for name in ("Repeatability", "Peak joint force", "Improve first"):
         assert stages[name] == worn
@@ -102,15 +102,18 @@ def test_numbers_of_several_stages_have_their_surfaces():
     assert f'Limits <span class="quiet">{worn}</span>' in text
     single = first_screen(made_up(made.BOTH, 1))
     assert not single.limits_stage
-    assert not any(one.stage for one in single.key_numbers)
-    by_life = {one.name: one.stage for one in key_numbers(lived(made_up(made.BODY, 3)))}
+    assert not any(number.stage for number in single.key_numbers)
+    by_life = {
+        number.name: number.stage
+        for number in key_numbers(lived(made_up(made.BODY, 3)))
+    }
     assert by_life["Service life"] == by_life["Improve first"] == ""
     assert by_life["Peak joint force"] == "after 4 million strokes"
 
 
 def test_round_off_is_no_mean_power():
     scene = pw.changed(pw.scenes.slider_crank(), {"friction": 0.0})
-    numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
+    numbers = {number.name: number for number in key_numbers(made_up(scene, 2))}
     meaning = numbers["Peak drive power"].meaning
     assert "at crank; mean 0 W. Computed with rigid joints without friction;" in meaning
 
@@ -120,7 +123,7 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(torques):
     """What friction needs is not the work of clearance."""
     scene = replace(made.BOTH, drive_torque=torques)
     scene = pw.changed(scene, {"friction": 0.1})
-    numbers = {one.name: one for one in key_numbers(made_up(scene, 2))}
+    numbers = {number.name: number for number in key_numbers(made_up(scene, 2))}
     for name, unit in (("torque", "N m"), ("power", "W")):
         number = numbers[f"Peak drive {name}"]
         compared = dict(number.compared)
@@ -135,9 +138,9 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(torques):
             assert compared[words] == quantity_text(peak, unit) + place
     frictionless = pw.changed(scene, {"friction": 0.0})
     (row,) = {
-        one.compared
-        for one in key_numbers(made_up(frictionless, 2))
-        if "torque" in one.name
+        number.compared
+        for number in key_numbers(made_up(frictionless, 2))
+        if "torque" in number.name
     }
     assert [words for words, _ in row] == [IDEAL]
 
@@ -145,7 +148,7 @@ def test_drives_are_compared_to_rigid_joints_with_and_without_friction(torques):
 def test_powers_of_drives_are_added():
     """A drive may brake while the other one drives, and a motor with a flywheel turns both."""
     result = made_up(replace(made.BOTH, drive_torque="on"), 2)
-    meanings = {one.name: one.meaning for one in key_numbers(result)}
+    meanings = {number.name: number.meaning for number in key_numbers(result)}
     total = sum(drive.duty.power.mean for drive in result.drives(1).values())
     meaning = meanings["Peak drive power"]
     assert f"mean of all drives together {quantity_text(total, 'W')}." in meaning
@@ -172,8 +175,8 @@ def test_joints_that_hardly_differ_are_both_named(volume, half, first):
         "C": Estimate.symmetric(1.0, 0.02),
     }
     joints = {
-        name: replace(one, wear_volume=volumes[name])
-        for name, one in statistics.joints.items()
+        name: replace(joint, wear_volume=volumes[name])
+        for name, joint in statistics.joints.items()
     }
     worn = altered(result, 1, statistics=replace(statistics, joints=joints))
     found = key_numbers(worn)[-1]
@@ -225,7 +228,7 @@ def test_one_number_of_cycles_is_recommended():
 
 
 def wear_of(result: pw.Result) -> KeyNumber:
-    numbers = {one.name: one for one in key_numbers(result)}
+    numbers = {number.name: number for number in key_numbers(result)}
     return numbers["Wear per million strokes"]
 
 
@@ -280,7 +283,7 @@ def test_a_motor_with_a_flywheel_gives_a_part_of_the_torque():
     result = pw.run(
         pw.changed(scene, {"cycles": 3, "replicates": 1, "wear_updates": 0})
     )
-    numbers = {one.name: one for one in key_numbers(result)}
+    numbers = {number.name: number for number in key_numbers(result)}
     assert "Peak drive torque" not in numbers
     assert "delivers this mean" not in numbers["Peak motor power"].meaning
     assert "gear and crank bear" in numbers["Peak motor torque"].meaning
@@ -299,7 +302,8 @@ def test_a_repeatability_without_an_interval_has_a_reason(strokes, reason):
     bdc = replace(result.stages[0].bdc, strokes=strokes, standard_deviation=scatter)
     statistics = replace(result.stages[0].statistics, bdc=bdc)
     numbers = {
-        one.name: one for one in key_numbers(altered(result, 0, statistics=statistics))
+        number.name: number
+        for number in key_numbers(altered(result, 0, statistics=statistics))
     }
     number = numbers["Repeatability"]
     assert (number.interval, number.note) == ("interval unknown", reason)

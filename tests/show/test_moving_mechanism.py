@@ -15,6 +15,7 @@ from presswear.show.figures.window import sampled
 from presswear.show.moving_mechanism import FRAMES, moving_mechanism
 from presswear.show.replay.clip import NORMAL
 from presswear.show.report import render_report
+from presswear.tools.arrays import Array
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +74,12 @@ def test_a_pin_lies_in_its_enlarged_clearance(result):
         assert 0.97 * gap < farthest < 1.15 * gap
 
 
+def radii_of(path: str) -> Array:
+    """Return the distances of the points of an SVG path from its origin."""
+    points = [point.split() for point in path.split("L")]
+    return np.asarray(np.hypot(*np.array(points, float).T))
+
+
 def test_a_worn_bearing_is_drawn_with_its_groove_and_contains_the_pin():
     depth = np.maximum(1e-3 * np.cos(np.linspace(0.0, 2.0 * np.pi, 360)), 0.0)
     surfaces = {"C": (pw.linkage.Surface(depth), pw.linkage.Surface(0.2 * depth))}
@@ -84,22 +91,21 @@ def test_a_worn_bearing_is_drawn_with_its_groove_and_contains_the_pin():
     worn = re.findall(
         r'<path d="M([^"]*)z"[^>]* class="outline" data-body="(\d)"', moving.svg
     )
-    worn = worn[-2:]  # those of A are round
+    worn = worn[-2:]  # the outlines of joint A come first
     linkage = scene.linkage()
-    (joint,) = (each for each in linkage.clearances if each.name == "C")
+    (joint,) = (joint for joint in linkage.clearances if joint.name == "C")
     bodies = [linkage.index(end.body) for end in (joint.bearing, joint.pin)]
     assert [int(body) for _, body in worn] == bodies
-    bearing, pin = (
-        np.hypot(*np.array([xy.split() for xy in path.split("L")], float).T)
-        for path, _ in worn
-    )
-    # The groove of 1 mm is enlarged as the clearance of 0.8 mm is; a fifth at the pin.
+    bearing = radii_of(worn[0][0])
+    pin = radii_of(worn[1][0])
+    # The groove of 1 mm, 0.2 mm at the pin, is enlarged like the clearance of 0.8 mm.
     (gap,) = re.findall(r'r="([\d.]+)" fill="none"', moving.svg)[1:]
     assert np.ptp(bearing) == pytest.approx(float(gap) / 0.8, abs=0.2)
     assert np.ptp(pin) == pytest.approx(0.2 * float(gap) / 0.8, abs=0.2)
     places = np.array(json.loads(moving.frames)["joints"]).reshape(FRAMES, 2, 4)
     farthest = np.hypot(*places[:, 1, :2].T).max()
-    assert farthest + pin.max() <= 0.4 * 340.0 / 2.0 + 0.2
+    radius = 0.4 * 340.0 / 2.0  # largest radius of a drawn bearing
+    assert farthest + pin.max() <= radius + 0.2
 
 
 def test_without_a_film_nothing_moves():

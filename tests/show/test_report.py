@@ -356,7 +356,7 @@ def test_a_guide_with_clearance_is_stated_and_its_corners_are_no_pins():
     assert "greatest tilt in a stroke (µm/m)" in text
     assert "600 kg mm²" in text  # 28.8 g (0.4^2 + 0.3^2) / 12
     assert "96.0" in str(result)  # mm^3: 1.2e-15 1/Pa times 80 N m, a million times
-    assert {one.file for one in drawings(result)} >= OF_PINS
+    assert {drawing.file for drawing in drawings(result)} >= OF_PINS
 
 
 def test_a_printed_result_has_the_mean_peak_force_with_its_interval():
@@ -386,6 +386,6 @@ def test_a_guide_alone_has_no_figures_of_pins():
     keys = {setting.key for setting in used_settings_of(scene)}
     assert not {"bearing_radius", "running_in", "angles"} & keys
     assert {"friction", "clearance", "width", "wear_coefficient"} <= keys
-    files = {one.file for one in drawings(result)}
+    files = {drawing.file for drawing in drawings(result)}
     assert not OF_PINS & files
     assert {"response.png", "phase.png"} <= files

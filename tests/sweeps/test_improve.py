@@ -134,7 +134,7 @@ def test_changes_are_compared_after_the_same_strokes(tmp_path):
     found = improve(scene, tmp_path, jobs=1)
     results = [pw.load(file.parent) for file in tmp_path.glob("*/result.json")]
     assert len(results) == 1 + len(changes_of(scene))
-    (strokes,) = {one.stages[0].cycles_per_update for one in results}
+    (strokes,) = {result.stages[0].cycles_per_update for result in results}
     assert found.heading(FORCE).endswith(f"N after {large(strokes)} strokes")
 
 

@@ -1,13 +1,14 @@
 """Sensitivity of functions with known indices, the coverage of its intervals, and surrogates.
 
-Of 60 intervals of 95 % fewer than 50 contain the value with a probability below 1e-3
-each.
+The tests require that 50 of 60 intervals of 95 % contain the value. By chance, fewer do so
+with a probability below 1e-3.
 """
 # mypy: disable-error-code="union-attr,operator,index"
 
 import math
 import sys
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -124,13 +125,13 @@ def test_failed_runs_are_omitted_and_too_few_have_no_indices():
         assert sensitivity(points_of(few, "y"), kind) is None
 
 
-@pytest.mark.parametrize(("share", "is_given"), [(0.89, True), (0.91, False)])
-def test_indices_are_given_unless_nearly_all_is_chaos(share, is_given):
+@pytest.mark.parametrize(("share", "has_indices"), [(0.89, True), (0.91, False)])
+def test_no_indices_if_chaos_causes_nearly_all_variance(share, has_indices):
     points = design("saltelli", 16, 3, seed=5)
     variance = ishigami(points).reshape(-1, 5)[:, [0, -1]].var()
     half_width = stats.norm.ppf(0.975) * math.sqrt(share * variance)
     table = table_of(points, ishigami(points), half_widths=half_width)
-    assert (sensitivity(points_of(table, "y"), "saltelli") is not None) == is_given
+    assert (sensitivity(points_of(table, "y"), "saltelli") is not None) == has_indices
 
 
 def test_elementary_effects_of_a_plane_and_of_chaos():
@@ -259,17 +260,17 @@ def test_unsuitable_points_are_refused(points, message):
         fit(points)
 
 
-@pytest.mark.parametrize("package", ["sklearn", "SALib"])
-def test_a_missing_package_is_named(package, monkeypatch):
+@pytest.mark.parametrize(
+    ("package", "distribution", "function"),
+    [
+        ("sklearn", "scikit-learn", fit),
+        ("SALib", "SALib", partial(sensitivity, kind="sobol")),
+    ],
+)
+def test_a_missing_package_is_named(package, distribution, function, monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == package]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
-    distribution = "scikit-learn" if package == "sklearn" else package
-    with refused(
-        rf"needs {distribution}: pip install {distribution}, or pip install '\.\[sweep\]' in"
-    ):
-        (
-            fit(sampled(64))
-            if package == "sklearn"
-            else sensitivity(sampled(64), "sobol")
-        )
+    install = rf"pip install {distribution}, or pip install '\.\[sweep\]' in"
+    with refused(f"needs {distribution}: {install}"):
+        function(sampled(64))

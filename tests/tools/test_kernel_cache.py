@@ -170,12 +170,12 @@ def test_cache_belongs_to_the_user_alone(tmp_path, monkeypatch, request):
 def test_entry_of_another_kernel_is_not_used(stored):
     kernels = ramp_friction, threlfall_friction
     arguments = 5e-4, 100.0, 0.1, 1e-4, 1e-3
-    forces = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
+    forces = [Kernel(cast(Kernel, kernel).py_func)(*arguments) for kernel in kernels]
     ramp, threlfall = sorted(
         stored.iterdir(), key=lambda file: file.stat().st_mtime_ns
     )[-2:]
     shutil.copy(threlfall, ramp)
-    again = [Kernel(cast(Kernel, one).py_func)(*arguments) for one in kernels]
+    again = [Kernel(cast(Kernel, kernel).py_func)(*arguments) for kernel in kernels]
     assert again == forces
     assert forces[0] != forces[1]
 
@@ -192,7 +192,7 @@ def test_kernels_are_compiled_without_private_parts_of_numba(
         file.unlink()
     assert _compiles()
     assert _compiles()
-    count = len([one for one in caplog.records if "numba" in one.message])
+    count = len([record for record in caplog.records if "numba" in record.message])
     assert count == (part == "CompileResult._reduce")
 
 
@@ -255,7 +255,7 @@ def test_process_that_stands_still_while_it_compiles_is_not_awaited(
         assert waiting.is_alive()
         waiting.join(60.0)
         assert not waiting.is_alive()
-        assert [one.message.split(" (")[0] for one in caplog.records] == [
+        assert [record.message.split(" (")[0] for record in caplog.records] == [
             f"{holder} compiles kernels and stands still"
         ]
         assert file.with_suffix(".lock").exists()  # of the other process

@@ -19,8 +19,8 @@ from presswear.tools.packing import PackedArguments, unpack
 POSITION_SCALE = 1e-3
 # Least energy to which the error of a loss is compared, divided by the kinetic energy
 LEAST_ENERGY = 1e-3
-# Rows of ``Motion.slopes`` for dy/dt at the start of a step, and for working space. They
-# have the type of computed indices, so that kernels are compiled for one type.
+# Rows of ``Motion.slopes`` for dy/dt at the start of a step, and for working space. A
+# computed index is an int64 too, so that kernels are compiled for one type only.
 START: Any = np.int64(0)
 SPARE: Any = np.int64(DOP853.b.size + 1)
 
@@ -121,9 +121,9 @@ def classical_step(address: PackedArguments, t: float, h: float) -> None:
 def weighted_sum(
     target: Array, slopes: Array, weights: Array, count: int, size: int
 ) -> None:
-    """Fill the weighted sum of the first ``count`` rows of slopes, in the first columns.
+    """Set ``target`` to the weighted sum of the first ``count`` rows of slopes.
 
-    Two rows are added at a time, which is faster.
+    The sum has ``size`` columns. Two rows are added at a time, which is faster.
     """
     odd = count & 1
     for i in range(size):
@@ -141,8 +141,7 @@ def weighted_sum(
 
 @inlined
 def mean_error(run: Integration, weights: Array) -> float:
-    """Return the mean square of the error of a trial step over the allowed error, per step^2.
-
+    """Return the mean square of error over allowed error, divided by the step squared.
     The mean is over coordinates, rates and states of interactions. If the force of a
     joint can end before its contact, the loss in contacts is included: the energy that
     is lost after the end of the force has no effect on the rates.
@@ -220,9 +219,20 @@ def embedded_step(
     for i in range(size):
         new[i] = y[i] + h * new[i]
     evaluate(system, system.constraints, t + h, new, slopes[stages], END)
+    return step_error(run, tableau, h)
+
+
+@inlined
+def step_error(run: Integration, tableau: Tableau, h: float) -> float:
+    """Return the error of a trial step over the allowed error.
+
+    A method with two error estimates combines them as DOP853 does.
+    """
     error = mean_error(run, tableau.error)
     if tableau.second_error[0] == 0.0:
         return abs(h) * math.sqrt(error)
     second = mean_error(run, tableau.second_error)
-    blended = error + 0.01 * second
-    return abs(h) * error / math.sqrt(blended) if blended > 0.0 else blended
+    denominator = error + 0.01 * second
+    if denominator > 0.0:
+        return abs(h) * error / math.sqrt(denominator)
+    return denominator  # zero or nan

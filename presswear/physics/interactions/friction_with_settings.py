@@ -52,7 +52,7 @@ class FrictionWithSettings:
 
     @property
     def _numbers(self) -> str:
-        """Named tuple of the numbers of the law."""
+        """Text that makes the named tuple of the numbers of the law."""
         numbers = self.functions.numbers_of(self.law)
         names = (
             self.page.text.parameter(f"{self.prefix}_friction_{word}", number)

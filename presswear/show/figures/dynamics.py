@@ -196,7 +196,7 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
 def _axis(diagram: "Diagram") -> tuple[float, str]:
     """Return the factor from SI and the label of the parameter axis."""
     parameter = diagram.parameter
-    factor, unit = parameter.shown_values
+    factor, unit = parameter.factor_and_unit
     return factor, f"{parameter.key} ({unit})" if unit else parameter.key
 
 

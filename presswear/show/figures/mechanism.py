@@ -29,7 +29,7 @@ from presswear.show.replay.shapes import direction as direction_at
 from presswear.tools.arrays import Array
 
 _HEIGHTS = (3.2, 5.2)  # least and greatest height of the figure, inches
-_EDGES = 0.95, 0.63  # width and height of the figure beside the axes, inches
+_EDGES = 0.95, 0.63  # width and height of the margins around the axes, inches
 _INSTANTS = 361  # instants of the paths of the joints
 _LOAD = "tab:red"
 _WINDINGS = 10  # windings of a spring
@@ -37,9 +37,10 @@ _MARGIN = 0.16  # around everything that moves, relative to its size
 _BAR = 0.007  # half width of a bar, relative to the same size
 _LEGEND_COLUMNS = 2
 _LEGEND_ROW = 0.22  # inches
-_MANY_LABELS = 3  # joints with the same clearance, above which it is in the caption
+# Number of joints above which the caption states a common clearance, not the labels
+_MANY_LABELS = 3
 _NEAR_LINE = 0.02  # distance of a joint from the line of a guide, part of the size
-_SLIMMEST = 0.6  # width over height, at least
+_SLIMMEST = 0.6  # least width over height of the axes
 
 
 class _Label(NamedTuple):
@@ -70,6 +71,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     labels = _draw_parts(axes, scene, position, paths, size)
     scale = 72.0 * (height - edges) / tall  # points per m
     boxes = _write(axes, labels, scale) / scale
+    # Widen the axes for the labels, and the figure so that the scale remains.
     low[0] = boxes[:, 0, 0].min(initial=low[0])
     high[0] = boxes[:, 1, 0].max(initial=high[0])
     axes.set_xlim(low[0], high[0])
@@ -243,7 +245,7 @@ def _free_direction(lines: Sequence[Array]) -> Array:
 
 
 def _common_clearance(scene: Scene) -> float | None:
-    """Return the clearance of all joints if many have the same, m: the caption states it."""
+    """Return the clearance that many joints have in common, m; None otherwise."""
     sizes = {scene.bearing(name).clearance for name in scene.loose_pins}
     if len(scene.loose_pins) <= _MANY_LABELS or len(sizes) > 1:
         return None
@@ -265,37 +267,43 @@ def _draw_joints(
     labels = []
     linkage = scene.base_linkage
     output = linkage.output
-    has_common_clearance = _common_clearance(scene) is not None
     for names in groups.values():
         place = places[names[0]]
+        bodies = {end.body for name, end in ends if name in names}
         loose = [name for name in names if name in scene.loose_pins]
-        if any(end.body == GROUND for name, end in ends if name in names):
-            axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
-        if loose:
-            axes.plot(
-                *place, "o", markersize=11, fillstyle="none", color="black", zorder=5
-            )
-        axes.plot(
-            *place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6
-        )
-        lines = [", ".join(names)]
-        for name in loose:
-            if has_common_clearance:
-                break
-            of_joint = f" of {name}" if len(names) > 1 else ""
-            lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
-        gap = 9.0 if loose else 7.0
-        bodies = {end.body for name, end in ends if name in names} - {GROUND}
-        beside = {name for name, end in ends if end.body in bodies} - set(names)
-        bars = [places[name] - place for name in sorted(beside)]
+        _draw_pin(axes, place, is_on_ground=GROUND in bodies, is_loose=bool(loose))
+        bodies -= {GROUND}
+        neighbours = {name for name, end in ends if end.body in bodies} - set(names)
+        bars = [places[name] - place for name in sorted(neighbours)]
         if output.body in bodies:
             bars.append(direction_at(output.direction))
         bars += _guides_through(linkage, position, place, size)
+        text = _label_text(scene, names, loose)
+        gap = 9.0 if loose else 7.0
         direction = _free_direction(bars)
-        labels.append(
-            _Label("\n".join(lines), place, gap, direction, {"weight": "bold"})
-        )
+        labels.append(_Label(text, place, gap, direction, {"weight": "bold"}))
     return labels
+
+
+def _draw_pin(axes: Axes, place: Array, is_on_ground: bool, is_loose: bool) -> None:
+    """Draw a pin, with a triangle on the ground and a circle around a clearance."""
+    if is_on_ground:
+        axes.plot(*place, marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
+    if is_loose:
+        axes.plot(*place, "o", markersize=11, fillstyle="none", color="black", zorder=5)
+    axes.plot(
+        *place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6
+    )
+
+
+def _label_text(scene: Scene, names: list[str], loose: list[str]) -> str:
+    """Return the names of joints at one place, and the clearances of the loose joints."""
+    lines = [", ".join(names)]
+    if _common_clearance(scene) is None:
+        for name in loose:
+            of_joint = f" of {name}" if len(names) > 1 else ""
+            lines.append(f"c{of_joint} = {1e3 * scene.bearing(name).clearance:g} mm")
+    return "\n".join(lines)
 
 
 def _guides_through(
@@ -443,6 +451,7 @@ def _bent_arrow(
     """Draw an arrow below and around a place, counterclockwise for a positive sense."""
     around = np.radians(np.linspace(215.0, 325.0, 30))
     arc = place + radius * np.column_stack([np.cos(around), np.sin(around)])
-    arc = arc if sense > 0.0 else arc[::-1]
+    if sense <= 0.0:
+        arc = arc[::-1]
     axes.plot(*arc.T, color=colour, linewidth=1.1, zorder=6)
     _arrow(axes, arc[-2], arc[-1], colour, 1.1)

@@ -86,7 +86,7 @@ def test_a_slot_with_clearance_and_its_worn_walls_move_with_their_body():
     factor = wall_factor(1e-5, bar)
     assert not worn_walls(linkage, factor)
     drawn = np.concatenate(
-        [one.points for one in worn_walls(linkage, factor, "rocker")]
+        [wall.points for wall in worn_walls(linkage, factor, "rocker")]
     )
     assert drawn[:, 1].max() == pytest.approx(0.022 + factor * 1e-5)
     deep = drawn[drawn[:, 1] > 0.025, 0]
