@@ -313,6 +313,13 @@ class ResultFolder(Observer):
         words = self._latest and f"stored up to {self._latest.words}"
         self.stored_part = words or "nothing was computed yet"
 
+    def store_error(self, error: Exception) -> None:
+        """Store the error that stopped the run; the run can be resumed."""
+        if self._lock.is_held():
+            reason, *_ = f"{type(error).__name__}: {error}".splitlines()
+            self._stored.message = f"stopped by {reason}"
+            self._write()
+
     def discard(self) -> None:
         """Remove the files of a run that computed nothing."""
         stored = self._stored
@@ -335,6 +342,8 @@ class ResultFolder(Observer):
                 self.interrupt()
             elif isinstance(error, InputError):
                 self.discard()
+            elif isinstance(error, Exception) and not isinstance(error, RunFailed):
+                self.store_error(error)
         finally:
             self._lock.release()
 

@@ -333,7 +333,7 @@ def unfinished(result: Result) -> str:
     elif result.status == "interrupted":
         how = "interrupted"
     else:
-        how = "killed, or stopped by an error"
+        how = result.message or "killed"
     stages = f"{len(result.stages)} of {result.scene.wear_updates + 1} stages"
     if result.life is not None and result.life.ended == PRELIMINARY:
         stages = f"a preliminary life and {stages}"

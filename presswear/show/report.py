@@ -274,7 +274,8 @@ def _status(result: Result) -> str:
         case "running":
             total = result.scene.wear_updates + 1
             stages = f"{count} of {total} stages are stored"
-            return f"Unfinished: {stages}; the run goes on or was stopped."
+            reason = message or "the run goes on or was killed"
+            return f"Unfinished: {stages}; {reason}."
         case status:
             return f"Ended with the status “{status}”. {message}"
 

@@ -209,6 +209,25 @@ def test_a_folder_that_was_removed_ends_the_run(tmp_path):
     assert not path.exists()
 
 
+def test_an_error_of_the_program_is_named_in_the_folder(tmp_path):
+    """The run can be resumed; its report and its line say what stopped it."""
+
+    def divide_by_zero() -> None:
+        raise ZeroDivisionError("no speed\nat crank")
+
+    path = tmp_path / "out"
+    with pytest.raises(ZeroDivisionError):
+        run_into(ResultFolder(path, SCENE, 0.0), SCENE, [Acting(7, divide_by_zero)])
+    reason = "stopped by ZeroDivisionError: no speed"
+    result = pw.load(path)
+    assert unfinished(result) == (
+        f"{path} is unfinished ({reason}): 1 of 2 stages are stored"
+    )
+    assert f"1 of 2 stages are stored; {reason}." in render_report(result)
+    run(path, resume=True)
+    assert pw.load(path).message == ""
+
+
 def test_there_is_no_report_without_a_finished_stage(tmp_path, command):
     path = tmp_path / "out"
     with pytest.raises(Stop):
