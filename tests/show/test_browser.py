@@ -118,6 +118,10 @@ def test_a_narrow_page_does_not_scroll_sideways(browser, report):
     assert is_as_wide_as_its_window(browser)
     value = browser.find_element(By.CSS_SELECTOR, ".key .value")
     assert value.rect["y"] < 800
+    # The heading says after how many strokes the limits are compared.
+    heading, *columns = browser.find_elements(By.CSS_SELECTOR, ".limits thead th")
+    assert heading.is_displayed()
+    assert not any(column.is_displayed() for column in columns)
     # A verdict on a limit is in one line.
     lines = "[...document.querySelectorAll('.light')].map(box => box.getClientRects().length)"
     assert {*browser.execute_script(f"return {lines}")} == {1}
