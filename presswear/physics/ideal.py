@@ -103,45 +103,50 @@ class IdealMotion:
         and accelerations to 1e-8 of the greatest acceleration.
         """
         now = np.atleast_1d(np.asarray(time, dtype=float))
-        duration = 0.0
-        if self.rows.linkage.leader is None:
-            duration = 2.0 * self.rows.linkage.run_up * self.period
-        time = now
-        if duration > 0.0:
+        linkage = self.rows.linkage
+        bodies = slice(None)
+        if not closed:
+            index = linkage.index(linkage.output.body)
+            bodies = slice(index, index + 1)
+        run_up = 0.0
+        if linkage.leader is None:
+            run_up = 2.0 * linkage.run_up * self.period
+        if run_up == 0.0:
+            q, v, a = self._in_cycles(now, bodies)
+        else:
             from presswear.physics.drive_motion import run_up_motion  # slow import
 
-            time, rate, rise = np.transpose([run_up_motion(duration, t) for t in now])
-        cycle = np.floor(time / self.period)
-        time_in_cycle = time - cycle * self.period
-        nodes = len(self.position) - 1
-        place = np.clip((time_in_cycle / self.period * nodes).astype(int), 0, nodes - 1)
-        index = self.rows.linkage.index(self.rows.linkage.output.body)
-        bodies = slice(None) if closed else slice(index, index + 1)
-        q, v, a = self.between(
-            place, time_in_cycle * nodes / self.period - place, bodies
-        )
-        q = q + cycle[:, None, None] * (
-            self.position[-1, bodies] - self.position[0, bodies]
-        )
-        scale = self.rows.size * np.array(
-            [[1.0], [1.0 / self.period], [1.0 / self.period**2]]
-        )
-        # Close the linkage at instants at which the error is more than round-off.
-        batches = []
-        if closed:
-            batches = np.array_split(np.arange(time.size), 1 + time.size // _BATCH)
-        for batch in batches:
-            levels = self.rows.errors(time[batch], q[batch], v[batch], a[batch])
-            errors = np.array([np.abs(level).max(axis=1) for level in levels])
-            rough = batch[(errors > 1e2 * ROUND_OFF * scale).any(axis=0)]
-            if rough.size:
-                q[rough], v[rough], a[rough] = close(self.rows, time[rough], q[rough])
-        if duration > 0.0:
-            rate = rate[:, np.newaxis, np.newaxis]
-            rise = rise[:, np.newaxis, np.newaxis]
+            motion = np.array([run_up_motion(run_up, t) for t in now])
+            after, rate, rise = motion.T[..., np.newaxis, np.newaxis]
+            q, v, a = self._in_cycles(after.ravel(), bodies)
             a = a * rate**2 + v * rise
             v = v * rate
-        return Motion(now, *(level.reshape(time.size, -1) for level in (q, v, a)))
+        return Motion(now, *(level.reshape(now.size, -1) for level in (q, v, a)))
+
+    def _in_cycles(self, time: Array, bodies: slice) -> Levels:
+        """Return the motion at times after the run-up, s; that of all bodies is closed."""
+        nodes = len(self.position) - 1
+        cycle = np.floor(time / self.period)
+        place = (time - cycle * self.period) * nodes / self.period
+        node = np.clip(place.astype(int), 0, nodes - 1)
+        levels = self.between(node, place - node, bodies)
+        turns = self.position[-1, bodies] - self.position[0, bodies]
+        levels = levels._replace(q=levels.q + cycle[:, None, None] * turns)
+        if bodies == slice(None):
+            for batch in np.array_split(np.arange(time.size), 1 + time.size // _BATCH):
+                self._close(time, levels, batch)
+        return levels
+
+    def _close(self, time: Array, levels: Levels, batch: NDArray[np.int64]) -> None:
+        """Close the linkage at those instants of a batch at which errors exceed round-off."""
+        scale = self.rows.size / self.period ** np.arange(3.0)[:, np.newaxis]
+        errors = self.rows.errors(time[batch], *(level[batch] for level in levels))
+        largest = np.array([np.abs(error).max(axis=1) for error in errors])
+        rough = batch[(largest > 1e2 * ROUND_OFF * scale).any(axis=0)]
+        if rough.size:
+            closed = close(self.rows, time[rough], levels.q[rough])
+            for level, closed_level in zip(levels, closed, strict=True):
+                level[rough] = closed_level
 
     def between(
         self, node: NDArray[np.int64], fraction: Array, bodies: slice = slice(None)
