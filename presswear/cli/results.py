@@ -112,8 +112,6 @@ def replay(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
     still = arguments.still
     movie = arguments.movie
-    if still is not None and movie is not None:
-        raise InputError("--still and --movie cannot be combined")
     if arguments.at is not None and still is None:
         raise InputError("--at needs --still; use --from and --to for a film")
     if arguments.life and (arguments.stage, arguments.compare) != (None, None):

@@ -19,6 +19,16 @@ MAX_SLIDE = 10.0
 ELASTIC_JOINT_DAMPING = 0.02  # damping ratio of an elastic joint; assumed
 
 
+def elastic_stiffness(text: str) -> Any:
+    """Return a data class field for the stiffness of an elastic joint, N/m."""
+    return quantity(None, "N/m", MIN_STIFFNESS, MAX_STIFFNESS, "chosen", text)
+
+
+def elastic_damping(text: str) -> Any:
+    """Return a data class field for the damping ratio of an elastic joint."""
+    return quantity(ELASTIC_JOINT_DAMPING, "", 0.0, 1.0, "assumed", text)
+
+
 def slide_size(text: str) -> Any:
     """Return a data class field for a size of a slide, m."""
     return quantity(None, "m", MIN_SLIDE, MAX_SLIDE, "chosen", text)
@@ -31,21 +41,11 @@ class Pin(Checked):
     name: str
     first: End
     second: End
-    stiffness: float | None = quantity(
-        None,
-        unit="N/m",
-        low=MIN_STIFFNESS,
-        high=MAX_STIFFNESS,
-        origin="chosen",
-        text="stiffness of pin and rods in any direction; default: rigid",
+    stiffness: float | None = elastic_stiffness(
+        "stiffness of pin and rods in any direction; default: rigid"
     )
-    damping_ratio: float = quantity(
-        ELASTIC_JOINT_DAMPING,
-        "",
-        0.0,
-        1.0,
-        "assumed",
-        "damping of an elastic pin, part of the critical one",
+    damping_ratio: float = elastic_damping(
+        "damping of an elastic pin, part of the critical one"
     )
 
 
@@ -106,22 +106,10 @@ class Guide(Checked):
     y: float = place("point of the line, above the origin; default: as drawn", None)
     direction: float = angle("angle of the line, from the x axis of frame or body")
     angle: float = angle("fixed angle of the body, from that of frame or body")
-    stiffness: float | None = quantity(
-        None,
-        unit="N/m",
-        low=MIN_STIFFNESS,
-        high=MAX_STIFFNESS,
-        origin="chosen",
-        text="stiffness of a spring along the line, as of a frame; default: none",
+    stiffness: float | None = elastic_stiffness(
+        "stiffness of a spring along the line, as of a frame; default: none"
     )
-    damping: float = quantity(
-        ELASTIC_JOINT_DAMPING,
-        "",
-        0.0,
-        1.0,
-        "assumed",
-        "damping of the spring, part of the critical one",
-    )
+    damping: float = elastic_damping("damping of the spring, part of the critical one")
     length: float | None = slide_size(
         "length of the slide along a guide with clearance"
     )

@@ -10,9 +10,9 @@ from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive
 from presswear.linkage.joints import (
     ELASTIC_JOINT_DAMPING,
-    MAX_STIFFNESS,
-    MIN_STIFFNESS,
     Guide,
+    elastic_damping,
+    elastic_stiffness,
     slide_size,
 )
 from presswear.linkage.linkage import Linkage
@@ -69,22 +69,11 @@ frame_mass_field = partial(
     "reduced mass of crown and bed, which move on a frame with a frame_stiffness",
 )
 frame_stiffness_field = partial(
-    number_field,
-    "N/m",
-    MIN_STIFFNESS,
-    MAX_STIFFNESS,
-    "chosen",
-    None,
+    elastic_stiffness,
     "stiffness of the frame along the output direction; default: rigid",
 )
 frame_damping_field = partial(
-    number_field,
-    "",
-    0.0,
-    1.0,
-    "assumed",
-    ELASTIC_JOINT_DAMPING,
-    "damping of the frame, part of the critical one",
+    elastic_damping, "damping of the frame, part of the critical one"
 )
 guide_length_field = partial(
     slide_size, "length of the slide along its guide, for a guide with clearance"

@@ -19,7 +19,7 @@ from presswear.linkage.friction_settings import (
     LawSettings,
     friction_settings,
 )
-from presswear.linkage.joints import ELASTIC_JOINT_DAMPING, MAX_STIFFNESS, MIN_STIFFNESS
+from presswear.linkage.joints import elastic_damping, elastic_stiffness
 from presswear.linkage.materials import MATERIALS, UNLISTED, Materials
 from presswear.linkage.normal_law import (
     DAMPINGS,
@@ -206,21 +206,11 @@ class Bearing(FrictionSettings, DryContact):
         origin="chosen",
         text="largest mean of p times sliding speed; default: none",
     )
-    stiffness: float | None = quantity(
-        None,
-        unit="N/m",
-        low=MIN_STIFFNESS,
-        high=MAX_STIFFNESS,
-        origin="chosen",
-        text="of the pin with one of its rods, with clearance = 0; default: rigid",
+    stiffness: float | None = elastic_stiffness(
+        "of the pin with one of its rods, with clearance = 0; default: rigid"
     )
-    damping_ratio: float = quantity(
-        ELASTIC_JOINT_DAMPING,
-        unit="",
-        low=0.0,
-        high=1.0,
-        origin="assumed",
-        text="damping of an elastic pin, part of the critical one",
+    damping_ratio: float = elastic_damping(
+        "damping of an elastic pin, part of the critical one"
     )
     parallel_rods: int = count(
         1,

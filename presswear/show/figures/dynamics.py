@@ -193,17 +193,28 @@ def spectrum(result: Result, shown: Shown) -> list[Drawing]:
     )
 
 
-def _axis(diagram: "Diagram") -> tuple[float, str]:
-    """Return the factor from SI and the label of the parameter axis."""
+def _axis_label(diagram: "Diagram") -> str:
+    """Return the label of the parameter axis."""
     parameter = diagram.parameter
-    factor, unit = parameter.factor_and_unit
-    return factor, f"{parameter.key} ({unit})" if unit else parameter.key
+    _, unit = parameter.factor_and_unit
+    return f"{parameter.key} ({unit})" if unit else parameter.key
+
+
+def _branches(diagram: "Diagram") -> list[tuple[str, Pen, Array]]:
+    """Return direction, pen and shown values of the parameter of each branch."""
+    parameter = diagram.parameter
+    factor, _ = parameter.factor_and_unit
+    branches = []
+    for direction, (colour, _) in zip(diagram.branches, style.LINES, strict=False):
+        word, _ = BRANCHES[direction]
+        value = factor * diagram.branches[direction].value
+        branches.append((direction, Pen(f"{word} {parameter.key}", colour), value))
+    return branches
 
 
 @matplotlib.rc_context(style.SETTINGS)
 def draw_diagram(diagram: "Diagram") -> Drawing:
     """Return the bifurcation diagram with both branches."""
-    parameter = diagram.parameter
     joints = diagram.scene.loose_pins
     has_exponent = diagram.cycles.exponent > 0
     count = len(joints) + 1
@@ -213,16 +224,12 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     of_pins = grid[: len(joints), 0]
     of_exponent = grid[len(joints), 0] if has_exponent else None
     of_period = grid[-1, 0]
-    pens = []
-    factor, label = _axis(diagram)
-    for direction, (colour, _) in zip(diagram.branches, style.LINES, strict=False):
-        word, _ = BRANCHES[direction]
-        pens.append(Pen(f"{word} {parameter.key}", colour))
-        value = factor * diagram.branches[direction].value
-        _draw_pins(of_pins, diagram, direction, value, colour)
+    branches = _branches(diagram)
+    for direction, pen, value in branches:
+        _draw_pins(of_pins, diagram, direction, value, pen.colour)
         if of_exponent is not None:
-            _draw_exponent(of_exponent, diagram, direction, value, colour)
-        _draw_periods(of_period, diagram, direction, value, colour)
+            _draw_exponent(of_exponent, diagram, direction, value, pen.colour)
+        _draw_periods(of_period, diagram, direction, value, pen.colour)
     for axes, joint in zip(of_pins, joints, strict=True):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
         steps = [1.0, 1.5, 3.0, 4.5, 9.0, 10.0]
@@ -234,13 +241,13 @@ def draw_diagram(diagram: "Diagram") -> Drawing:
     _, top = of_period.get_ylim()
     of_period.set_ylim(-0.5, max(MIN_PERIOD_AXIS, top) + 0.5)
     of_period.yaxis.set_major_locator(MaxNLocator(5, integer=True))
-    of_period.set_xlabel(label)
+    of_period.set_xlabel(_axis_label(diagram))
     (drawing,) = style.finished(
         "diagram",
         sheet,
-        pens,
+        [pen for _, pen, _ in branches],
         has_exponent=has_exponent,
-        parameter=parameter,
+        parameter=diagram.parameter,
         cycles=diagram.cycles,
         summary=diagram.summary(),
     )
@@ -252,20 +259,15 @@ def draw_quantity(diagram: "Diagram", name: str) -> Drawing:
     """Return a quantity of each stored cycle over the parameter, of both branches."""
     column = diagram.quantities[name]
     sheet, ((axes,),) = style.panels(1, 1, 3.0)
-    factor, label = _axis(diagram)
-    pens = []
-    for direction, (colour, _) in zip(diagram.branches, style.LINES, strict=False):
-        word, _ = BRANCHES[direction]
-        pens.append(Pen(f"{word} {diagram.parameter.key}", colour))
-        numbers = diagram.numbers(name, direction)
-        value = factor * diagram.branches[direction].value
-        _draw_dots(axes, value, numbers, colour)
+    branches = _branches(diagram)
+    for direction, pen, value in branches:
+        _draw_dots(axes, value, diagram.numbers(name, direction), pen.colour)
     style.label_values(axes, name, column.unit)
-    axes.set_xlabel(label)
+    axes.set_xlabel(_axis_label(diagram))
     (drawing,) = style.finished(
         "diagram_quantity",
         sheet,
-        pens,
+        [pen for _, pen, _ in branches],
         quantity=name,
         text=column.text,
         parameter=diagram.parameter,
