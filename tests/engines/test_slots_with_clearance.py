@@ -106,13 +106,17 @@ def on_disc(direction: float = 0.0, **bearing: Any) -> Linkage:
     return pw.Scene(sized(linkage, "slot", L, W), bearings={"slot": play}).linkage()
 
 
+def across(vector: Array) -> Array:
+    """Turn a vector by a right angle."""
+    return np.array([-vector[1], vector[0]])
+
+
 def from_disc(linkage: Linkage, place: Array, rates: Array, angle: float) -> Start:
     """Return the start of a block from place and rates in the frame of the turning disc."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, -s], [s, c]])
-    x, y, tilt = place
-    velocity = turn @ (rates[:2] + TURN * np.array([-y, x]))
-    position = np.array([0.0, 0.0, angle, *(turn @ place[:2]), angle + tilt])
+    velocity = turn @ (rates[:2] + TURN * across(place[:2]))
+    position = np.array([0.0, 0.0, angle, *(turn @ place[:2]), angle + place[2]])
     spins = np.array([0.0, 0.0, TURN, *velocity, TURN + rates[2]])
     return Start(position, spins)
 
@@ -282,6 +286,30 @@ def test_worn_walls_that_move_create_no_energy(engine: Engine, within):
     run = run_scene(scene, engine, 0.05, linkage=scene.linkage(worn))
     assert touches(run) > 8
     assert residual(run) < within
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_speeds_of_a_corner_are_those_of_both_bodies_at_the_contact(side):
+    """Difference of the velocities of the block and of the wall at the point of contact."""
+    linkage = on_disc(0.4)
+    turned = 0.7  # of the disc
+    c, s = math.cos(0.4 + turned), math.sin(0.4 + turned)
+    normal = side * np.array([-s, c])
+    centre = np.array([0.1 * c, 0.1 * s]) + 1.5 * C * normal
+    q = np.array([0.0, 0.0, turned, *centre, turned + 1e-3])
+    v = np.array([0.3, -0.4, 20.0, 1.1, -0.7, 25.0])
+    contacts = contacts_in(linkage, pack(linkage), q, v)
+    closed = contacts[contacts.penetration > 0.0]
+    assert len(closed) == 2
+    for contact in closed:
+        arm = np.array([contact.pin_lever_x, contact.pin_lever_y])
+        point = centre + arm - 0.5 * contact.penetration * normal
+        disc, block = (
+            v[i : i + 2] + v[i + 2] * across(point - q[i : i + 2]) for i in (0, 3)
+        )
+        assert contact.rate == pytest.approx(normal @ (block - disc), rel=1e-9)
+        sliding = across(normal) @ (block - disc)
+        assert contact.sliding == pytest.approx(sliding, rel=1e-9)
 
 
 def test_the_rate_of_a_corner_is_a_derivative():

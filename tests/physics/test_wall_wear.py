@@ -21,8 +21,12 @@ from swinging_slide import (
 import presswear as pw
 from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.guide_corner import WALL_BINS
+from presswear.physics.equations.body_forces import BodyForces
+from presswear.physics.packed import pack
 from presswear.physics.wall_wear import (
     bin_centres_of,
+    deposit_on_wall,
     spread_along,
     wall_volume,
     walls_of,
@@ -73,6 +77,33 @@ def test_the_way_of_a_step_is_that_of_the_corner():
     place = records.contacts["place"]
     ends = run.end.position[1] + 0.5 * L * np.array([1.0, -1.0, 1.0, -1.0])
     assert place == pytest.approx(ends, abs=1e-12)
+
+
+def test_a_step_wears_the_wall_behind_the_corner():
+    """A corner that moves up ends its way at its place: no bin beyond it wears.
+
+    A full cycle wears the same bins for both signs, because its ways are symmetric.
+    """
+    linkage, start = swinging_slide()
+    speed = 0.7
+    packed = pack(linkage)
+    forces = BodyForces(linkage, packed)
+    forces(0.0, start.position, np.array([0.0, speed, 0.0]))
+    joints = packed.joints.view(np.recarray)
+    bin_length = WALL.bin_length
+    bins = 20.5  # that a corner passes in the step
+    step = bins * bin_length / speed
+    for k, contact in enumerate(forces.contacts.view(np.recarray)):
+        depth = np.zeros((4, 2, WALL_BINS))
+        deposit_on_wall(depth, k, joints[k], contact, 3.0, step)
+        place = bin_centres_of(WALL)[depth[k, 0] > 0.0]
+        assert place.max() == pytest.approx(contact.place, abs=bin_length)
+        assert place.min() == pytest.approx(
+            contact.place - speed * step, abs=bin_length
+        )
+        partner = joints[k]["wall_partner"]
+        assert not depth[:, 1].any()
+        assert set(np.flatnonzero(depth.any(axis=(1, 2)))) == {k, partner}
 
 
 @pytest.mark.parametrize(
