@@ -1,11 +1,9 @@
 """Drives along guides on moving bodies: closed forms, energy, all engines, and messages."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_form import needed_power
 from marks import slow
 from numpy.testing import assert_allclose
 from runs import compare_engines, run_scene
@@ -27,22 +25,13 @@ import presswear as pw
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
-from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import prescribed_of
-from presswear.physics.ideal import Motion, ideal_motion
-from presswear.physics.inverse_dynamics import needed_torques
+from presswear.physics.ideal import ideal_motion
 from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError, InputError
 
 DURATION = 0.014  # s, with some touchdowns
 FINE = ExudynJoints(steps_per_contact=320)
-
-
-def _motion_of(linkage: Linkage) -> tuple[Motion, Array]:
-    """Return the ideal motion at instants of a cycle, and the torques of its drives."""
-    ideal = ideal_motion(linkage, linkage.period)
-    time = np.linspace(0.0, linkage.period, 97)
-    return ideal.at(time), needed_torques(linkage, ideal, time)
 
 
 def _law_of_cosines(time: Array) -> Array:
@@ -65,22 +54,12 @@ def _law_of_cosines(time: Array) -> Array:
 
 @pytest.mark.parametrize("is_reversed", [False, True])
 def test_boom_turns_by_the_law_of_cosines(is_reversed):
-    motion, _ = _motion_of(boom(is_reversed=is_reversed))
+    linkage = boom(is_reversed=is_reversed)
+    time = np.linspace(0.0, linkage.period, 97)
+    motion = ideal_motion(linkage, linkage.period).at(time)
     levels = motion.position, motion.velocity, motion.acceleration
-    for level, expected in zip(levels, _law_of_cosines(motion.time), strict=True):
+    for level, expected in zip(levels, _law_of_cosines(time), strict=True):
         assert_allclose(level[:, 8], expected, atol=1e-11 * SPEED**2)
-
-
-@pytest.mark.parametrize("is_reversed", [False, True])
-@pytest.mark.parametrize("make", [boom, boom_press])
-def test_force_has_the_power_of_the_motion(make: Callable[..., Linkage], is_reversed):
-    """Force times speed of the piston is the power that the motion and the weights need."""
-    linkage = make(is_reversed=is_reversed)
-    motion, force = _motion_of(linkage)
-    speed = STROKE * SPEED * np.cos(SPEED * motion.time)
-    power = needed_power(linkage, motion)
-    allowed = 1e-9 * np.abs(power).max()
-    assert_allclose(force[:, 0] * speed, power, atol=allowed)
 
 
 @pytest.mark.parametrize(

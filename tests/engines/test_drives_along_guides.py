@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from closed_form import needed_power
 from numpy.testing import assert_allclose
 from runs import compare_engines
 from slotted import SPEED, cylinder, loose_scene
@@ -49,19 +48,6 @@ def test_force_on_a_slide(direction):
     inertia = -0.04 * 6.0**2 * np.sin(6.0 * time)
     weight = linkage.gravity * math.sin(direction)
     assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
-
-
-def test_force_has_the_power_of_the_motion():
-    """Force times speed is the rate of the kinetic energy, less the power of the weights."""
-    linkage = cylinder()
-    ideal = ideal_motion(linkage, linkage.period)
-    time = np.linspace(0.0, linkage.period, 97)
-    power = needed_power(linkage, ideal.at(time))
-    phase = SPEED * time
-    speed = SPEED * (0.04 * np.cos(phase) - 0.01 * np.sin(phase))
-    speed += 2.0 * SPEED * 0.004 * np.cos(2.0 * phase)
-    force = needed_torques(linkage, ideal, time)[:, 0]
-    assert_allclose(force * speed, power, atol=1e-9 * np.abs(power).max())
 
 
 @pytest.mark.parametrize("joints", ["A", "B", "C", "none"])

@@ -174,15 +174,6 @@ def four_bars(count: int) -> Linkage:
     return pw.assemble(bodies, joints, drives, guess=guess, name="four-bars")
 
 
-def rubbing(joint: Any) -> Any:
-    """Return a rigid pin with friction."""
-    return (
-        replace(joint, bearing_radius=0.01, friction=RAMP)
-        if joint.name == "B"
-        else joint
-    )
-
-
 PRESS = pw.Press().linkage()
 CRANK = pw.SliderCrank(slide_angle=0.4).linkage()
 SPRINGS = (

@@ -1,6 +1,7 @@
 """Rigid joints with friction in the ideal motion: closed forms, power balance."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -25,19 +26,11 @@ RADIUS = 0.01
 def bushings(
     linkage: Linkage, names: str, law: FrictionLaw, radius: float = RADIUS
 ) -> list[ClearanceJoint]:
+    size = radius, 1e-4, 0.02
     return [
-        ClearanceJoint(
-            joint.name,
-            joint.first,
-            joint.second,
-            radius,
-            1e-4,
-            0.02,
-            NormalLaw(1e10),
-            law,
-        )
-        for joint in linkage.revolutes
-        if joint.name in names
+        ClearanceJoint(pin.name, pin.first, pin.second, *size, NormalLaw(1e10), law)
+        for pin in linkage.revolutes
+        if pin.name in names
     ]
 
 
@@ -67,9 +60,7 @@ def test_a_pin_under_a_known_force_takes_mu_f_r(speed, part, is_swapped):
     law = FrictionLaw(0.1)
     (bushing,) = bushings(linkage, "O", law)
     if is_swapped:
-        bushing = ClearanceJoint(
-            "O", bushing.pin, bushing.bearing, RADIUS, 1e-4, 0.02, NormalLaw(1e10), law
-        )
+        bushing = replace(bushing, bearing=bushing.pin, pin=bushing.bearing)
     time = np.linspace(0.0, linkage.period, 50)
     angle = 0.3 + speed * time
     turning = 2.0 * speed**2 * 0.2
@@ -109,9 +100,7 @@ def test_friction_that_blocks_the_motion_is_said():
 def test_friction_has_corners_where_joints_turn_back():
     """The rod turns back twice in a cycle: four corners of the ramp each time."""
     linkage = slider_crank()
-    joints = bushings(linkage, "B", FrictionLaw(0.1)) or bushings(
-        linkage, linkage.revolutes[-1].name, FrictionLaw(0.1)
-    )
+    joints = bushings(linkage, "B", FrictionLaw(0.1))
     time = np.linspace(0.0, linkage.period, 1000)
     corners = friction_corners(linkage, motion_of(linkage), time, joints)
     assert corners.size == 8

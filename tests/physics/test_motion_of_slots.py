@@ -11,6 +11,9 @@ from slotted import (
     RADIUS,
     SPEED,
     YOKE_MASS,
+    boom,
+    boom_press,
+    cylinder,
     quick_return,
     scotch_yoke,
     shaper,
@@ -24,15 +27,10 @@ from presswear.linkage.press import Press
 from presswear.physics.assembly import close
 from presswear.physics.constraint_rows import Rows
 from presswear.physics.constraints import constraints_of
-from presswear.physics.ideal import Motion, ideal_motion
+from presswear.physics.ideal import ideal_motion
 from presswear.physics.inverse_dynamics import constraint_forces, needed_torques
 
 TIME = np.linspace(0.0, 2.0 * math.pi / SPEED, 97)
-
-
-def motion(linkage: Linkage) -> Motion:
-    """Return the ideal motion at all instants."""
-    return ideal_motion(linkage, linkage.period).at(TIME)
 
 
 def direction_to(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -54,40 +52,39 @@ def crank_pin() -> tuple[np.ndarray, np.ndarray]:
     return x, np.array([sine, SPEED * cosine, -(SPEED**2) * sine])
 
 
-def test_rocker_of_a_quick_return():
-    """phi = atan2(d + r sin a, r cos a), with its derivatives."""
+def rocker_of_a_quick_return() -> tuple[np.ndarray, ...]:
+    """Return phi = atan2(d + r sin a, r cos a) with its derivatives."""
     x, y = crank_pin()
     y[0] += HEIGHT
-    levels = motion(quick_return())
-    for level, expected in zip(
-        (levels.position, levels.velocity, levels.acceleration),
-        direction_to(x, y),
-        strict=True,
-    ):
-        scale = np.abs(expected).max()
-        assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
-        assert_allclose(level[:, 5], expected, atol=1e-13 * scale)
+    return direction_to(x, y)
 
 
-def test_scotch_yoke():
-    """x = r cos w t; the torque is m w^2 r^2 sin cos, whatever the block weighs."""
-    linkage = scotch_yoke()
-    levels = motion(linkage)
-    x, _ = crank_pin()
-    for level, expected in zip(
-        (levels.position, levels.velocity, levels.acceleration), x, strict=True
-    ):
-        scale = np.abs(expected).max()
-        assert_allclose(level[:, 6], expected, atol=1e-13 * scale)
-    ideal = ideal_motion(linkage, linkage.period)
-    torque = needed_torques(linkage, ideal, TIME)[:, 0]
-    cosine, sine = np.cos(SPEED * TIME), np.sin(SPEED * TIME)
-    peak = YOKE_MASS * SPEED**2 * RADIUS**2
-    assert_allclose(torque, peak * sine * cosine, atol=1e-12 * peak)
+def rod_in_a_swinging_block() -> tuple[np.ndarray, ...]:
+    """Return phi = atan2(-r sin a, 0.4 - r cos a): the rod points to the pivot of the block."""
+    x, y = crank_pin()
+    return direction_to(np.array([0.4 - x[0], -x[1], -x[2]]), -y)
 
 
-def test_force_of_a_slot():
-    """The slot moves the yoke: m w^2 r cos w t across it, and no moment on the block."""
+@pytest.mark.parametrize(
+    ("linkage", "coordinate", "expected"),
+    [
+        (quick_return(), 8, rocker_of_a_quick_return()),
+        (quick_return(), 5, rocker_of_a_quick_return()),
+        (scotch_yoke(), 6, crank_pin()[0]),
+        (swinging_block(), 8, rod_in_a_swinging_block()),
+    ],
+    ids=["rocker", "block", "yoke", "rod"],
+)
+def test_ideal_motion_has_a_closed_form(linkage: Linkage, coordinate, expected):
+    motion = ideal_motion(linkage, linkage.period).at(TIME)
+    levels = motion.position, motion.velocity, motion.acceleration
+    for level, exact in zip(levels, expected, strict=True):
+        atol = 1e-13 * np.abs(exact).max()
+        assert_allclose(level[:, coordinate], exact, atol=atol)
+
+
+def test_forces_of_a_scotch_yoke():
+    """The slot bears m w^2 r cos w t and no moment; the torque is m w^2 r^2 sin cos."""
     linkage = scotch_yoke()
     ideal = ideal_motion(linkage, linkage.period)
     forces = constraint_forces(linkage, ideal, TIME)
@@ -96,30 +93,32 @@ def test_force_of_a_slot():
     expected = -peak * np.cos(SPEED * TIME)
     assert_allclose(forces[:, first], expected, atol=1e-12 * peak)
     assert_allclose(forces[:, first + 1], 0.0, atol=1e-12 * peak)
+    torque = needed_torques(linkage, ideal, TIME)[:, 0]
+    exact = -expected * RADIUS * np.sin(SPEED * TIME)
+    assert_allclose(torque, exact, atol=1e-12 * peak)
 
 
-def test_rod_in_a_swinging_block():
-    """The rod points to the pivot of the block: phi = atan2(-r sin a, 0.4 - r cos a)."""
-    x, y = crank_pin()
-    to_pivot = np.array([0.4 - x[0], -x[1], -x[2]])
-    levels = motion(swinging_block())
-    for level, expected in zip(
-        (levels.position, levels.velocity, levels.acceleration),
-        direction_to(to_pivot, -y),
-        strict=True,
-    ):
-        scale = np.abs(expected).max()
-        assert_allclose(level[:, 8], expected, atol=1e-13 * scale)
-
-
-@pytest.mark.parametrize("linkage", [skew_quick_return(), shaper()], ids=str)
-def test_torque_has_the_power_of_the_motion(linkage: Linkage):
-    """Torque times speed is the rate of the kinetic energy, less the power of the weights."""
+@pytest.mark.parametrize(
+    "linkage",
+    [
+        skew_quick_return(),
+        shaper(),
+        cylinder(),
+        *(
+            make(is_reversed=is_reversed)
+            for make in (boom, boom_press)
+            for is_reversed in (False, True)
+        ),
+    ],
+    ids=lambda linkage: linkage.name,
+)
+def test_drive_has_the_power_of_the_motion(linkage: Linkage):
+    """Torque or force times speed is the rate of the kinetic energy, less that of the weights."""
     ideal = ideal_motion(linkage, linkage.period)
     power = needed_power(linkage, ideal.at(TIME))
     torque = needed_torques(linkage, ideal, TIME)[:, 0]
-    scale = np.abs(power).max()
-    assert_allclose(SPEED * torque, power, atol=1e-9 * scale)
+    speed = linkage.drives[0].motion(TIME)[1]
+    assert_allclose(speed * torque, power, atol=1e-9 * np.abs(power).max())
 
 
 def test_an_imprecise_guess_of_the_rocker_turns_its_block():

@@ -36,13 +36,12 @@ def _law(power: float, distribution: Any = "arc") -> WearLaw:
     )
 
 
-def _worn_in_a_second(pair: Pair, count: int) -> Array:
-    """Return the depths that the rate of the integral gives in a second, shape (2, count), m."""
+def _deposited(pair: Pair, count: int, integral: float) -> Array:
+    """Return the depths that an integral of the wear gives, shape (2, count), m."""
     depth, shares = np.zeros((2, 2, count))
     record = pair.packed.joints[0]
     surfaces = pair.packed.surfaces[0]
-    rate = pair.wear_rates()[1]
-    deposit_by_pressure(depth, record, surfaces, pair.contact(), rate, shares)
+    deposit_by_pressure(depth, record, surfaces, pair.contact(), integral, shares)
     assert not shares.any()
     return depth
 
@@ -68,7 +67,7 @@ def test_each_angle_wears_by_its_pressure(joint: ClearanceJoint, power):
     joint = replace(joint, wear=_law(power))
     pair = placed(joint, 3e-6, 1.1, rates=SLIDING)
     expected = _expected(pair, 360, power)
-    depth = _worn_in_a_second(pair, 360)
+    depth = _deposited(pair, 360, pair.wear_rates()[1])  # in a second
     # Gauss's rule is not exact where the pressure begins, as a power of the angle.
     np.testing.assert_allclose(depth, expected, rtol=0.0, atol=0.01 * expected.max())
     assert worn_volume(joint, depth) == pytest.approx(
@@ -83,11 +82,7 @@ def test_arcs_narrower_than_a_bin_wear_as_narrow_ones(power):
     totals = []
     for penetration in (1.05 * LEAST_OVERLAP, 0.95 * LEAST_OVERLAP, -1e-9):
         pair = placed(joint, penetration, 1.1)
-        depth, shares = np.zeros((2, 2, 16))
-        record = pair.packed.joints[0]
-        surfaces = pair.packed.surfaces[0]
-        deposit_by_pressure(depth, record, surfaces, pair.contact(), 2.0, shares)
-        totals.append(depth.sum())
+        totals.append(_deposited(pair, 16, 2.0).sum())
     assert totals[0] == pytest.approx(totals[1], rel=0.06)
     assert totals[2] == totals[1] > 0.0
 
