@@ -106,9 +106,9 @@ def drawings(
 ) -> Iterator[Drawing]:
     """Draw figures of ``NAMES``, or all that show something, of one stage or all.
 
-    Of all, those of ``OF_MANY_CYCLES`` and those whose series the result does not
-    contain are left out. InputError for
-    an unknown stage or name, and a name for which there is nothing to draw.
+    Without names, those of ``OF_MANY_CYCLES`` and those whose series the result does not
+    contain are left out. InputError for an unknown stage or name, and for a name for
+    which there is nothing to draw.
     """
     for name in names:
         if not (isinstance(name, str) and name in NAMES):
@@ -153,11 +153,10 @@ def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
     with matplotlib.rc_context(SETTINGS):
         shown = style.shown_stages(result, stages) if stages else []
         # The numbers of a failed stage are meaningless.
-        moving = [
-            each for each in shown if not each.data.failed and each.data.time.size > 1
-        ]
-        sampled = [each for each in shown if has_motion(result.scene, each.data)]
-        loose = [each for each in moving if each.data.has_joint_series]
+        sound = [stage for stage in shown if not stage.data.failed]
+        moving = [stage for stage in sound if stage.data.time.size > 1]
+        sampled = [stage for stage in shown if has_motion(result.scene, stage.data)]
+        loose = [stage for stage in moving if stage.data.has_joint_series]
         has_pins = bool(result.scene.loose_pins)
         choices: dict[str, Sequence[Any]] = {
             "all": stages,

@@ -28,8 +28,9 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     services = services_done(result)
     if life is None or not life.curves or len(stages) < len(result.stages):
         return []
-    joints = result.scene.wearing_joints
-    keys = [key for name in joints for key in life.curves if key.startswith(f"{name}.")]
+    keys = []
+    for joint in result.scene.wearing_joints:
+        keys += [key for key in life.curves if key.startswith(f"{joint}.")]
     keys += [key for key in life.curves if key != "strokes" and "." not in key]
     high = life.interval.high if life.ended == "limit" else None
     end = max(float(life.curves["strokes"][-1]), high or 0.0)
@@ -67,7 +68,8 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
 
 def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:
     """Draw a quantity with its band and its limits."""
-    (mean, low, high), strokes = life.curves[key].T, life.curves["strokes"]
+    mean, low, high = life.curves[key].T
+    strokes = life.curves["strokes"]
     limits = [limit for limit in life.limits if limit.key == key]
     top = float(high.max())
     near = [limit for limit in limits if limit.value <= _FAR * top or top == 0.0]

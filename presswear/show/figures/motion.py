@@ -224,10 +224,14 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
                 axes, number, factor * errors, linewidth=0.7, marker=".", markersize=3.0
             )
         error = stage.data.bdc.error.scaled(factor)
-        low, high = error.mean, error.mean
         if error.low is not None and error.high is not None:
-            low, high = error.low, error.high
-        axes.axhspan(low, high, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
+            axes.axhspan(
+                error.low,
+                error.high,
+                color=stage.pen.colour,
+                alpha=0.2,
+                linewidth=0.0,
+            )
         axes.axvspan(
             0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0
         )
@@ -359,10 +363,8 @@ def _quantities_of_drives(
     """Return drive, field of its curves, label and unit of each panel."""
     panels = []
     for drive in drives:
-        if drive in linear:
-            panels.append((drive, "torque", "force", "N"))
-        else:
-            panels.append((drive, "torque", "torque", "N m"))
+        label_and_unit = ("force", "N") if drive in linear else ("torque", "N m")
+        panels.append((drive, "torque", *label_and_unit))
         panels.append((drive, "power", "power", "W"))
     return panels
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from itertools import accumulate, product
+from itertools import accumulate, chain, product
 from typing import NamedTuple
 
 import numpy as np
@@ -52,8 +52,9 @@ def wear_depth(result: Result, shown: Shown) -> list[Drawing]:
     panel_sides = [(side,) for side in SIDES] if turns else [SIDES]
     places = list(product(joints, panel_sides))
     curves = [_depth_curves(result, shown, *place) for place in places]
-    # By label: every panel may lack a line that another has.
-    pens = {pen.label: pen for lines in curves for pen, _ in lines}
+    pens: dict[str, Pen] = {}  # by label: a panel may lack a line of another panel
+    for lines in curves:
+        pens |= {pen.label: pen for pen, _ in lines}
     if not pens:
         return []
     sheet, panels, _ = style.panel_list(len(places), 1.9)
@@ -95,9 +96,8 @@ def _depth_curves(
     curves = []
     for pen, stage, kinds in worn:
         maps = stage.joints[joint].arrays
-        depth = np.sum(
-            [maps[f"{kind}_{side}"] for side in sides for kind in kinds], axis=0
-        )
+        names = [f"{kind}_{side}" for side, kind in product(sides, kinds)]
+        depth = np.sum([maps[name] for name in names], axis=0)
         if np.any(depth > 0.0):
             curves.append((pen, depth))
     return curves
@@ -148,7 +148,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     joints = result.scene.loose_pins
     if result.life is not None or not grew or not joints:
         return []
-    steps = [step for stage in result.stages for step in stage.wear_steps]
+    steps = list(chain(*(stage.wear_steps for stage in result.stages)))
     cycles, unit = _cycles_at_ends(steps)
     # Numbers of steps before each stage, and of all steps
     counts = (len(stage.wear_steps) for stage in result.stages)
@@ -165,8 +165,8 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     sheet, panels, _ = style.panel_list(len(joints), 2.3)
     for axes, joint in zip(panels, joints, strict=True):
         for side, pen in _SURFACES.items():
-            depths = [float(result.stages[0].joints[joint].depth(side).max())]
-            depths += [step.max_depth[joint][side] for step in steps]
+            initial = float(result.stages[0].joints[joint].depth(side).max())
+            depths = [initial, *(step.max_depth[joint][side] for step in steps)]
             depth = style.MICRONS * np.array(depths[first : last + 1])
             pen.draw(axes, shown_cycles, depth, marker=marker, markersize=4.0)
         _mark_updates(axes, updates)

@@ -203,22 +203,22 @@ def draw_with_moments(
 ) -> dict[str, str]:
     """Draw a series of stages, and mark where the work is touched, breaks and is left.
 
-    Each pair of ``stages`` is a stage cut to the window and the whole one. The words of
-    the marks are returned.
+    Each pair of ``stages`` is a stage cut to the window and the stage with all its rows.
+    The words of the marks are returned.
     """
     marks = {}
-    for shown, whole in stages:
+    for shown, uncut in stages:
         shown.pen.draw(axes, shown.data.time, values_of(shown.data), linewidth=0.8)
-        strokes = strokes_of(result.scene, whole.data)
+        strokes = strokes_of(result.scene, uncut.data)
         if not strokes:
             continue
-        values = values_of(whole.data)
+        values = values_of(uncut.data)
         for name, (mark, words) in MOMENTS.items():
             times = getattr(strokes, name)[:, 0]
             times = times[(times >= window.start) & (times <= window.end)]
             if times.size:
                 marks[mark] = words
-                rows = [abs(whole.data.time - time).argmin() for time in times]
+                rows = [abs(uncut.data.time - time).argmin() for time in times]
                 colour = shown.pen.colour
                 axes.plot(times, values[rows], mark, color=colour, markersize=6.0)
     return marks

@@ -109,22 +109,20 @@ class EnlargedJoint:
                 )
                 drawn.append(band(_polar(worn), _polar(worn + reach), z + 1, WORN))
             size = self.radius if far else pin_radius
-            mark = (0.55 * size, 0.0), (0.9 * size, 0.0)
-            bodies += [
-                drawn,
-                [line(*mark, 0.02 * self.radius, z + 3, mix(STEEL, INK, 0.6))],
-            ]
+            ends = (0.55 * size, 0.0), (0.9 * size, 0.0)
+            mark = line(*ends, 0.02 * self.radius, z + 3, mix(STEEL, INK, 0.6))
+            bodies += [drawn, [mark]]
         bodies[0].append(ring((0.0, 0.0), self.radius, edge, 72, INK))
         return bodies
 
     def shapes(
-        self, parts: Sequence[list[Shape]], bearing: Array, pin: Array, row: Array
+        self, bodies: Sequence[list[Shape]], bearing: Array, pin: Array, row: Array
     ) -> list[Shape]:
         """Return the shapes of ``bodies`` in their poses, and those of ``moving``."""
         drawn: list[Shape] = []
         poses = self.coordinates(bearing[-1], pin[-1])
-        for part, pose in zip(parts, poses, strict=True):
-            drawn += [moved(shape, pose) for shape in part]
+        for body, pose in zip(bodies, poses, strict=True):
+            drawn += [moved(shape, pose) for shape in body]
         return drawn + self.moving(bearing, pin, row)
 
     def coordinates(self, bearing: Array, pin: Array) -> list[Array]:

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
 from presswear.physics.drive_motion import run_up_motion
 from presswear.show.replay import shapes
-from presswear.show.replay.clip import NORMAL, Chapter, Clip, Snapshot
+from presswear.show.replay.clip import NORMAL, Clip, Snapshot
 from presswear.show.replay.enlarged_joint import EnlargedJoint, force_text
 from presswear.show.replay.shapes import FORCE, INK, STEEL, Shape, points_of
 from presswear.tools.arrays import Array
@@ -39,6 +40,18 @@ class Panel(NamedTuple):
     title: Array
     joints: tuple[Array, ...]
     radius: float
+
+
+class DrawnClip(NamedTuple):
+    """Clip with its panel, and the shapes of its bodies, enlarged joints and worn walls."""
+
+    clip: Clip
+    panel: Panel
+    wall_factor: float  # factor of the wear of walls; 0 without wear
+    bodies: list[list[Shape]]
+    joints: list[list[DrawnJoint]]  # by chapter
+    # by chapter; in each the walls of the frame, then of each body
+    walls: list[list[list[Shape]]]
 
 
 class Layout(NamedTuple):
@@ -82,7 +95,6 @@ class Picture:
     """Clips side by side in Exudyn's renderer, in a picture of a width and height in pixels."""
 
     def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
-        self.clips = tuple(clips)
         boxes = [
             shapes.bounding_box(clip.linkage, clip.film.position) for clip in clips
         ]
@@ -96,34 +108,12 @@ class Picture:
         ground = {"objectType": "Ground", "referencePosition": [0.0, 0.0, 0.0]}
         self._ground = self.system.AddObject({**ground, "VgraphicsData": []})
         self._frame: list[Shape] = []
-        self._bodies: list[list[list[Shape]]] = []  # bodies of each clip
-        # joints of each chapter of each clip
-        self._joints: list[list[list[DrawnJoint]]] = []
-        # worn walls of the frame, then of each body, in each chapter of each clip
-        self._walls: list[list[list[list[Shape]]]] = []
+        self._clips: list[DrawnClip] = []
         for clip, panel in zip(clips, self.layout.panels, strict=True):
+            offset = np.append(panel.offset, 0.0)
             frame = shapes.frame_shapes(clip.linkage, clip.film.position, self._bar)
-            self._frame += [
-                shapes.moved(shape, np.append(panel.offset, 0.0)) for shape in frame
-            ]
-            bodies = range(len(clip.linkage.bodies))
-            self._bodies.append(
-                [
-                    shapes.body_shapes(clip.linkage, clip.film.position, k, self._bar)
-                    for k in bodies
-                ]
-            )
-            self._joints.append(
-                [_enlarged(clip, panel, each) for each in clip.chapters]
-            )
-            factor = self._wall_factor(clip)
-            names = [GROUND, *(body.name for body in clip.linkage.bodies)]
-            self._walls.append(
-                [
-                    [shapes.worn_walls(each.linkage, factor, name) for name in names]
-                    for each in clip.chapters
-                ]
-            )
+            self._frame += [shapes.moved(shape, offset) for shape in frame]
+            self._clips.append(_drawn(clip, panel, self._bar))
         self.system.Assemble()
         self._set_look(size)
         # otherwise the view set before an image is lost
@@ -154,59 +144,47 @@ class Picture:
         origin = [0.0, 0.0, 0.0]
         self.container.renderer.SetModelView(0.5 * self.layout.height, origin, origin)
 
-    def show(self, states: Sequence[Snapshot], part: float, note: str) -> None:
+    def show(self, states: Sequence[Snapshot], fraction: float, note: str) -> None:
         """Set the renderer to the state of each clip.
 
-        ``part`` is the position of the time bar, 0 to 1; ``note`` is a text on the
+        ``fraction`` is the position of the time bar, 0 to 1; ``note`` is a text on the
         playing speed.
         """
-        pieces = [*self._frame, *self._time_bar(part)]
+        pieces = [*self._frame, *self._time_bar(fraction)]
         texts = []
-        drawn = zip(
-            self.clips,
-            self.layout.panels,
-            self._bodies,
-            self._joints,
-            self._walls,
-            states,
-            strict=True,
-        )
-        for clip, panel, bodies, chapters, walls, state in drawn:
-            texts += self._title(clip, panel, state, note)
-            offset = np.append(panel.offset, 0.0)
-            frame_walls, *body_walls = walls[state.chapter]
-            pieces += [shapes.moved(shape, offset) for shape in frame_walls]
-            poses = state.positions[-1].reshape(-1, 3) + offset
-            for body, worn, pose in zip(bodies, body_walls, poses, strict=True):
-                pieces += [shapes.moved(shape, pose) for shape in (*body, *worn)]
-            pieces += self._springs(clip, panel, state)
+        for drawn, state in zip(self._clips, states, strict=True):
+            texts += self._title(drawn, state, note)
+            pieces += self._moving_shapes(drawn, state)
+            linkage = drawn.clip.linkage
             # Pins are drawn. Corners of slides follow them in a state and are not drawn.
-            for (joint, parts), row, peak in zip(
-                chapters[state.chapter], state.joints, state.peaks, strict=False
-            ):
-                ends = (joint.joint.bearing, joint.joint.pin)
-                bearing, pin = (
-                    points_of(clip.linkage, state.positions, end) for end in ends
-                )
-                pieces += joint.shapes(parts, bearing, pin, row)
+            joints = zip(
+                drawn.joints[state.chapter], state.joints, state.peaks, strict=False
+            )
+            for (joint, bodies), row, peak in joints:
+                bearing = points_of(linkage, state.positions, joint.joint.bearing)
+                pin = points_of(linkage, state.positions, joint.joint.pin)
+                pieces += joint.shapes(bodies, bearing, pin, row)
                 texts += self._joint_text(joint, row, peak)
-                name = self._text(
-                    panel.offset + bearing[-1, :2], joint.joint.name, 1.4, layer=60
-                )
+                place = drawn.panel.offset + bearing[-1, :2]
+                name = self._text(place, joint.joint.name, 1.4, layer=60)
                 texts.append({**name, "offset": [0.8, 0.5]})
         data = [self._triangles(pieces), *texts]
         self.system.SetObjectParameter(self._ground, "VgraphicsData", data)
 
-    def _springs(self, clip: Clip, panel: Panel, state: Snapshot) -> list[Shape]:
-        """Return a line for each spring."""
-        lines = []
-        for spring in clip.linkage.springs:
-            start, end = (
-                panel.offset + points_of(clip.linkage, state.positions[-1:], end)[0, :2]
-                for end in spring.ends
-            )
-            lines.append(shapes.line(start, end, 0.5 * self._bar, 38, STEEL))
-        return lines
+    def _moving_shapes(self, drawn: DrawnClip, state: Snapshot) -> list[Shape]:
+        """Return the bodies, the worn walls and the springs of a clip in a state."""
+        offset = np.append(drawn.panel.offset, 0.0)
+        frame_walls, *body_walls = drawn.walls[state.chapter]
+        pieces = [shapes.moved(shape, offset) for shape in frame_walls]
+        poses = state.positions[-1].reshape(-1, 3) + offset
+        for body, walls, pose in zip(drawn.bodies, body_walls, poses, strict=True):
+            pieces += [shapes.moved(shape, pose) for shape in (*body, *walls)]
+        linkage = drawn.clip.linkage
+        for spring in linkage.springs:
+            ends = [points_of(linkage, state.positions, end) for end in spring.ends]
+            start, end = (offset + points[-1] for points in ends)
+            pieces.append(shapes.line(start[:2], end[:2], 0.5 * self._bar, 38, STEEL))
+        return pieces
 
     def _triangles(self, pieces: Sequence[Shape]) -> dict[str, Any]:
         """Return shapes as one triangle list of Exudyn."""
@@ -254,21 +232,18 @@ class Picture:
         force = f"{joint.joint.name}: normal {normal}, peak {force_text(peak)}"
         letter = LETTER_WIDTH * FONT / 640.0 * self.layout.height
         size = min(1.0, 3.0 * joint.radius / (letter * len(force)))
-        above, below = (
-            joint.centre + joint.radius * np.array([-1.45, y]) for y in (1.13, -1.19)
-        )
-        lines = [
-            below - [0.0, k * self._line_height(0.8)]
-            for k in range(len(joint.labels()))
-        ]
-        factors = [
-            self._text(*line, 0.75) for line in zip(lines, joint.labels(), strict=True)
-        ]
-        return [self._text(above, force, size, joint.paint), *factors]
+        above = joint.centre + joint.radius * np.array([-1.45, 1.13])
+        texts = [self._text(above, force, size, joint.paint)]
+        below = joint.centre + joint.radius * np.array([-1.45, -1.19])
+        for k, label in enumerate(joint.labels()):
+            line = below - [0.0, k * self._line_height(0.8)]
+            texts.append(self._text(line, label, 0.75))
+        return texts
 
     def _title(
-        self, clip: Clip, panel: Panel, state: Snapshot, note: str
+        self, drawn: DrawnClip, state: Snapshot, note: str
     ) -> list[dict[str, Any]]:
+        clip = drawn.clip
         linkage = clip.linkage
         elapsed = state.time
         if linkage.leader is None:
@@ -281,24 +256,19 @@ class Picture:
             if linkage.leader is None:  # a film of a motor has no time of the clock
                 status = f"t = {state.time:.4f} s   {status}"
         title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
-        if factor := self._wall_factor(clip):
-            note = f"{note}   wear of walls x{factor:.4g}"
-        below = panel.title - [0.0, self._line_height(1.2)]
+        if drawn.wall_factor:
+            note = f"{note}   wear of walls x{drawn.wall_factor:.4g}"
+        above = drawn.panel.title
+        below = above - [0.0, self._line_height(1.2)]
         return [
-            self._text(panel.title, title, 1.15),
+            self._text(above, title, 1.15),
             self._text(below, f"{status}   {note}", 1.0),
         ]
 
-    def _wall_factor(self, clip: Clip) -> float:
-        """Return the factor of the wear of walls in all chapters of a clip; 0 without wear."""
-        corners = {corner.name for corner in clip.linkage.corners}
-        depths = [clip.max_depth[name] for name in corners]
-        return shapes.wall_factor(max(depths, default=0.0), self._bar)
-
-    def _time_bar(self, part: float) -> list[Shape]:
+    def _time_bar(self, fraction: float) -> list[Shape]:
         start, end = self.layout.bar
         width = 0.006 * self.layout.height
-        now = start + part * (end - start)
+        now = start + fraction * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
             shapes.line(start, end, width, 90, STEEL),
@@ -316,19 +286,37 @@ class Picture:
         self.container.Reset()
 
 
-def _enlarged(clip: Clip, panel: Panel, chapter: Chapter) -> list[DrawnJoint]:
+def _drawn(clip: Clip, panel: Panel, bar: float) -> DrawnClip:
+    """Return a clip with its shapes; ``bar`` is half the width of a bar, m."""
+    linkage = clip.linkage
+    depths = [clip.max_depth[corner.name] for corner in linkage.corners]
+    factor = shapes.wall_factor(max(depths, default=0.0), bar)
+    positions = clip.film.position
+    bodies = []
+    for k in range(len(linkage.bodies)):
+        bodies.append(shapes.body_shapes(linkage, positions, k, bar))
+    names = [GROUND, *(body.name for body in linkage.bodies)]
     joints = []
-    for k, (joint, centre) in enumerate(
-        zip(shapes.loose_pins(chapter.linkage), panel.joints, strict=True)
-    ):
-        paint = shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)]
+    walls = []
+    for chapter in clip.chapters:
+        worn = chapter.linkage
+        joints.append(_enlarged(clip, panel, worn))
+        walls.append([shapes.worn_walls(worn, factor, name) for name in names])
+    return DrawnClip(clip, panel, factor, bodies, joints, walls)
+
+
+def _enlarged(clip: Clip, panel: Panel, worn: Linkage) -> list[DrawnJoint]:
+    """Return the enlarged pin joints of a linkage with its worn surfaces."""
+    joints = []
+    pins = shapes.loose_pins(worn)
+    for k, (joint, centre) in enumerate(zip(pins, panel.joints, strict=True)):
         enlarged = EnlargedJoint(
             joint,
             clip.max_depth[joint.name],
             clip.max_force[joint.name],
             centre,
             panel.radius,
-            paint,
+            paint=shapes.JOINT_COLOURS[k % len(shapes.JOINT_COLOURS)],
         )
         joints.append((enlarged, enlarged.bodies()))
     return joints

@@ -132,14 +132,9 @@ def slot_outline(linkage: Linkage, positions: Array, guide: Guide, bar: float) -
     half_length, half_width = half
     low = travel.min() - half_length
     high = travel.max() + half_length
-    corners = np.array(
-        [
-            [low, -half_width],
-            [high, -half_width],
-            [high, half_width],
-            [low, half_width],
-        ]
-    )
+    x = np.array([low, high, high, low])
+    y = half_width * np.array([-1.0, -1.0, 1.0, 1.0])
+    corners = np.column_stack([x, y])
     along = direction(guide.direction)
     return np.array([guide.x, guide.y]) + corners @ [along, across(along)]
 
@@ -187,9 +182,10 @@ def body_outline(linkage: Linkage, body: str, bar: float, inset: float = 0.0) ->
     and a width is to scale. ``bar`` is the half width of a bar.
     """
     points = [(end.x, end.y) for end in attachments(linkage, body)]
-    guide = next((each for each in guides_of(linkage) if each.body == body), None)
+    guides = [guide for guide in guides_of(linkage) if guide.body == body]
     outline = np.zeros((0, 2))
-    if guide is not None:
+    if guides:
+        guide = guides[0]
         half = _half_size_of(guide, bar) - inset
         along = direction(guide.direction - guide.angle)
         corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -404,9 +400,9 @@ def worn_walls(linkage: Linkage, factor: float, body: str = GROUND) -> list[Shap
     corners = [corner for corner in linkage.corners if corner.guide.on == body]
     walls = {(corner.guide.name, corner.side): corner for corner in corners}
     for corner in walls.values():
+        guide = corner.guide
         surface = corner.bearing_surface
         wall = corner.wall
-        guide = corner.guide
         if wall is None or guide.width is None or not surface.is_worn:
             continue
         depths = surface.depth.reshape(_WALL_BARS, -1).max(axis=1)
