@@ -34,7 +34,9 @@ def check_cycle(period: float, drives: Sequence[Drive], name: str) -> None:
 
 def common_period(drives: Sequence[Drive], name: str) -> float:
     """Return the shortest time in which every drive of a linkage makes whole turns, s."""
-    speeds = [speed for drive in drives for speed in drive.frequencies]
+    speeds = list[float]()
+    for drive in drives:
+        speeds += drive.frequencies
     if not speeds:
         raise InputError(
             f"cycle of {name}: no drive turns; add one, or specify cycle, s"

@@ -251,8 +251,12 @@ class Drive(_Motion):
     @property
     def frequencies(self) -> tuple[float, ...]:
         """Frequencies that a cycle of the linkage must fit, rad/s."""
-        mean = [abs(self.mean_speed)] if self.mean_speed != 0.0 else []
-        return (*mean, self.base) if self.repeats else tuple(mean)
+        frequencies = []
+        if self.mean_speed != 0.0:
+            frequencies.append(abs(self.mean_speed))
+        if self.repeats:
+            frequencies.append(self.base)
+        return tuple(frequencies)
 
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
         """Return angle, rad, speed and acceleration at times, s; not of a drive that follows."""
@@ -360,16 +364,15 @@ class GearedDrive(Drive):
     def placed(self, leader: Drive) -> "GearedDrive":
         """Return the drive with the motion of its leader times the ratio."""
         n = self.ratio
-        rows: list[Any] = []
+        table: list[Any] = []
         for phase, *values in leader.table:
-            rows.append((phase, *(n * value for value in values)))
-        frequency = leader.base if leader.repeats else leader.frequency
+            table.append((phase, *(n * value for value in values)))
         return replace(
             self,
             speed=n * leader.speed,
-            frequency=frequency,
+            frequency=leader.base if leader.repeats else leader.frequency,
             harmonics=[(n * a, n * b) for a, b in leader.harmonics],
-            table=rows,
+            table=table,
             rises=[replace(rise, by=n * rise.by) for rise in leader.rises],
             is_placed=True,
         )

@@ -12,10 +12,9 @@ from functools import partial
 
 from presswear.linkage.bodies import Body
 from presswear.linkage.drives import torque_limit
-from presswear.linkage.joints import Guide, Pin
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
-    DEFAULT_OF_ROD,
     LEFT,
     MAX_LINK,
     MIN_SPEED,
@@ -33,6 +32,7 @@ from presswear.linkage.mechanism import (
     meeting_point,
     motor_field,
     number_field,
+    thin_rod_inertia,
 )
 from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity_field, run_up_field
@@ -82,18 +82,12 @@ class LinkDrive(Mechanism):
     slider_mass: float = number_field(
         "kg", 1e-6, 1e5, "chosen", 2e4, "mass of the slide with the upper tool"
     )
-    crank_inertia: float | None = chosen_inertia(
-        None, f"inertia of the crank (torque only){DEFAULT_OF_ROD}"
-    )
+    crank_inertia: float | None = thin_rod_inertia("the crank (torque only)")
     plate_inertia: float | None = chosen_inertia(
         None, "inertia of the plate; default: that of a triangle of even thickness"
     )
-    rocker_inertia: float | None = chosen_inertia(
-        None, f"inertia of the rocker{DEFAULT_OF_ROD}"
-    )
-    rod_inertia: float | None = chosen_inertia(
-        None, f"inertia of the rod{DEFAULT_OF_ROD}"
-    )
+    rocker_inertia: float | None = thin_rod_inertia("the rocker")
+    rod_inertia: float | None = thin_rod_inertia("the rod")
     gravity: float = gravity_field()
     speed: float = quantity(
         25.0 * math.pi / 30.0,
@@ -149,7 +143,7 @@ class LinkDrive(Mechanism):
                 *crown.bodies,
                 *bars_of(self, "crank", "rocker", "rod"),
                 self._plate,
-                Body("slider", self.slider_mass, self._slide_inertia(self.slider_mass)),
+                self._slide("slider", self.slider_mass),
             ),
             joints=(
                 *crown.guides,
@@ -159,13 +153,7 @@ class LinkDrive(Mechanism):
                 Pin("P", crown.ends["P"], "rocker.tail"),
                 Pin("C", "plate.C", "rod.tail"),
                 Pin("D", "rod.head", "slider"),
-                Guide(
-                    "guide",
-                    "slider",
-                    direction=0.5 * math.pi,
-                    length=self.guide_length,
-                    width=self.guide_width,
-                ),
+                self._guide("slider", 0.5 * math.pi),
             ),
             drives=(self._drive("crank"),),
             guess={

@@ -130,8 +130,6 @@ class Linkage(Checked):
     @property
     def without_oil(self) -> "Linkage":
         """The linkage whose joints are dry."""
-        if all(joint.oil is None for joint in self.clearances):
-            return self
         clearances = tuple(replace(joint, oil=None) for joint in self.clearances)
         return replace(self, clearances=clearances)
 
@@ -163,38 +161,38 @@ class Linkage(Checked):
         Drives with a motor prescribe nothing, and the inertia of the motor turns with
         the body.
         """
-        pins = tuple(pin for pin in self.revolutes if pin.stiffness is not None)
-        guides = tuple(guide for guide in self.guides if guide.stiffness is not None)
-        if not (pins or guides or self.has_motors):
-            return self
-        joints = tuple(
-            replace(joint, stiffness=None) if joint in guides else joint
-            for joint in self.joints
-            if joint not in pins
-        )
+        joints: list[Joint] = []
+        pins = list(self.elastic_pins)
+        guides = list(self.elastic_guides)
+        for joint in self.joints:
+            if joint.stiffness is None:
+                joints.append(joint)
+            elif isinstance(joint, Guide):
+                guides.append(joint)
+                joints.append(replace(joint, stiffness=None))
+            else:
+                pins.append(joint)
         return replace(
             self,
             bodies=self._bodies_with_rotors,
-            joints=joints,
-            elastic_pins=(*self.elastic_pins, *pins),
-            elastic_guides=(*self.elastic_guides, *guides),
+            joints=tuple(joints),
+            elastic_pins=tuple(pins),
+            elastic_guides=tuple(guides),
             is_turned_by_motors=self.has_motors,
         )
 
     @property
     def _bodies_with_rotors(self) -> tuple[Body, ...]:
         """Bodies with the inertia of the motors that turn them."""
-        if self.is_turned_by_motors or not self.has_motors:
+        if self.is_turned_by_motors:
             return self.bodies
-        rotors = {
-            drive.body: drive.motor.reflected_inertia
-            for drive in self.drives
-            if drive.motor is not None
-        }
-        return tuple(
-            replace(body, inertia=body.inertia + rotors.get(body.name, 0.0))
-            for body in self.bodies
-        )
+        bodies = list(self.bodies)
+        for drive in self.drives:
+            if drive.motor is not None:
+                k = self.index(drive.body)
+                inertia = bodies[k].inertia + drive.motor.reflected_inertia
+                bodies[k] = replace(bodies[k], inertia=inertia)
+        return tuple(bodies)
 
     @property
     def has_motors(self) -> bool:
@@ -229,7 +227,7 @@ class Linkage(Checked):
     def free_gears(self) -> tuple[GearedDrive, ...]:
         """Drives whose leaders are turned by motors."""
         motors = {drive.body for drive in self.motor_drives}
-        return tuple(gears for gears in self.gears if gears.leader in motors)
+        return tuple(gear for gear in self.gears if gear.leader in motors)
 
     def number_of_drive(self, body: str) -> int:
         """Return the position of the drive of a body in ``drives``."""
@@ -306,14 +304,17 @@ class Linkage(Checked):
         """Name of the angle that goes through a whole turn in a cycle."""
         one_turn = 2.0 * math.pi / self.period  # speed of a turn in a cycle, rad/s
         for drive in self.drives:
-            if not drive.repeats and abs(abs(drive.speed) / one_turn - 1.0) < 1e-9:
+            turns_per_cycle = abs(drive.speed) / one_turn
+            if not drive.repeats and abs(turns_per_cycle - 1.0) < 1e-9:
                 return "crank angle"
         return "phase of the cycle"
 
     @property
     def run_up_time(self) -> float:
         """Time in which the linkage runs up from rest, s; with a motor the nominal time."""
-        duration = self.run_up * self.period if self.run_up else 0.0
+        if not self.run_up:
+            return 0.0
+        duration = self.run_up * self.period
         return duration if self.leader is not None else 2.0 * duration
 
     def index(self, body: str) -> int:

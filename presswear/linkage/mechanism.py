@@ -34,7 +34,6 @@ RIGHT = -1.0
 LEFT = 1.0
 CHOSEN = "Dimensions, masses and speed are chosen."
 _BAR_NUMBERS = "length", "mass", "inertia"
-DEFAULT_OF_ROD = "; default: that of a thin rod"
 # length of a rod over its crank; with equal lengths the rod does not determine on
 # which side of the crank the slider is
 _MIN_ROD_RATIO = 1.0001
@@ -58,6 +57,14 @@ literature_mass = partial(mass_field, LITERATURE)
 chosen_length = partial(length_field, "chosen")
 chosen_mass = partial(mass_field, "chosen")
 chosen_inertia = partial(inertia_field, "chosen")
+
+
+def thin_rod_inertia(body: str) -> Any:
+    """Return a data class field for the inertia of a body that is a thin rod by default."""
+    text = f"inertia of {body}; default: that of a thin rod"
+    return chosen_inertia(None, text)
+
+
 chosen_speed = partial(number_field, "rad/s", MIN_SPEED, 5000.0, "chosen")
 frame_mass_field = partial(
     number_field,
@@ -149,11 +156,24 @@ class Mechanism(Checked, ABC):
         ends = {joint: f"{crown.name}.{joint}" for joint in pivots}
         return _Crown((crown,), (guide,), ends)
 
-    def _slide_inertia(self, mass: float) -> float:
-        """Return the inertia of a slide, kg m^2."""
+    def _slide(self, name: str, mass: float) -> Body:
+        """Return a slide as a block of the size in its guide; ``mass`` in kg."""
         if self.guide_length is None or self.guide_width is None:
-            return 1.0  # has no effect: without clearance in its guide the slide cannot turn
-        return mass * (self.guide_length**2 + self.guide_width**2) / 12.0
+            # The inertia has no effect: without clearance the slide cannot turn.
+            return Body(name, mass, 1.0)
+        squares = self.guide_length**2 + self.guide_width**2
+        return Body(name, mass, mass * squares / 12.0)
+
+    def _guide(self, slide: str, direction: float, **values: Any) -> Guide:
+        """Return the guide of a slide along a direction, rad."""
+        return Guide(
+            "guide",
+            slide,
+            direction=direction,
+            length=self.guide_length,
+            width=self.guide_width,
+            **values,
+        )
 
     @property
     def period(self) -> float:
@@ -170,10 +190,11 @@ class Mechanism(Checked, ABC):
             unread.append("torque_limit")
         return tuple(unread)
 
-    def _drive(self, crank: str, start: float = 0.0) -> Drive:
-        """Return the drive of the only driven crank, from an angle, rad."""
+    def _drive(self, crank: str, start: float = 0.0, sense: float = 1.0) -> Drive:
+        """Return the drive of a crank from an angle, rad; ``sense`` -1 is clockwise."""
         limit = None if self.motor else self.torque_limit
-        return Drive(crank, self.speed, start, torque_limit=limit, motor=self.motor)
+        speed = sense * self.speed
+        return Drive(crank, speed, start, torque_limit=limit, motor=self.motor)
 
     def linkage(self) -> Linkage:
         """Return the ideal linkage, every joint closed."""

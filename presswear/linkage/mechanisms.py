@@ -9,12 +9,11 @@ import math
 from dataclasses import dataclass
 
 from presswear.linkage.bodies import Body
-from presswear.linkage.drives import Drive, torque_limit
-from presswear.linkage.joints import Guide, Pin
+from presswear.linkage.drives import torque_limit
+from presswear.linkage.joints import Pin
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.mechanism import (
     CHOSEN,
-    DEFAULT_OF_ROD,
     LEFT,
     LITERATURE,
     MAX_LINK,
@@ -23,7 +22,6 @@ from presswear.linkage.mechanism import (
     Mechanism,
     bars_of,
     check_rod,
-    chosen_inertia,
     chosen_length,
     chosen_mass,
     chosen_speed,
@@ -36,6 +34,7 @@ from presswear.linkage.mechanism import (
     literature_mass,
     meeting_point,
     motor_field,
+    thin_rod_inertia,
 )
 from presswear.linkage.motor import Motor
 from presswear.linkage.parts import gravity_field, run_up_field
@@ -71,12 +70,8 @@ class SliderCrank(Mechanism):
         origin="chosen",
         text="direction from O to the slider, from x; -90 deg: below O",
     )
-    crank_inertia: float | None = chosen_inertia(
-        None, f"inertia of the crank (torque only){DEFAULT_OF_ROD}"
-    )
-    rod_inertia: float | None = chosen_inertia(
-        None, f"inertia of the rod{DEFAULT_OF_ROD}"
-    )
+    crank_inertia: float | None = thin_rod_inertia("the crank (torque only)")
+    rod_inertia: float | None = thin_rod_inertia("the rod")
     gravity: float = gravity_field()
     speed: float = quantity(
         5000.0 * math.pi / 30.0,
@@ -110,20 +105,14 @@ class SliderCrank(Mechanism):
             bodies=(
                 *crown.bodies,
                 *bars_of(self, "crank", "rod"),
-                Body("slider", self.slider_mass, self._slide_inertia(self.slider_mass)),
+                self._slide("slider", self.slider_mass),
             ),
             joints=(
                 *crown.guides,
                 Pin("O", crown.ends["O"], "crank.tail"),
                 Pin("A", "rod.tail", "crank.head"),
                 Pin("B", "rod.head", "slider"),
-                Guide(
-                    "guide",
-                    "slider",
-                    direction=upward,
-                    length=self.guide_length,
-                    width=self.guide_width,
-                ),
+                self._guide("slider", upward),
             ),
             drives=(self._drive("crank", along),),
             guess={"rod": along},
@@ -152,15 +141,9 @@ class FourBar(Mechanism):
     crank_mass: float = chosen_mass(0.3, "mass of the crank")
     coupler_mass: float = chosen_mass(0.5, "mass of the coupler")
     rocker_mass: float = chosen_mass(0.4, "mass of the rocker")
-    crank_inertia: float | None = chosen_inertia(
-        None, f"inertia of the crank (torque only){DEFAULT_OF_ROD}"
-    )
-    coupler_inertia: float | None = chosen_inertia(
-        None, f"inertia of the coupler{DEFAULT_OF_ROD}"
-    )
-    rocker_inertia: float | None = chosen_inertia(
-        None, f"inertia of the rocker{DEFAULT_OF_ROD}"
-    )
+    crank_inertia: float | None = thin_rod_inertia("the crank (torque only)")
+    coupler_inertia: float | None = thin_rod_inertia("the coupler")
+    rocker_inertia: float | None = thin_rod_inertia("the rocker")
     side: str = choice(
         "above", ("above", "below"), "side of the frame on which the rocker begins"
     )
@@ -225,18 +208,10 @@ class SixBar(Mechanism):
     upper_mass: float = chosen_mass(2.5, "mass of the upper link")
     lower_mass: float = chosen_mass(3.0, "mass of the lower link")
     slider_mass: float = chosen_mass(10.0, "mass of the slider")
-    crank_inertia: float | None = chosen_inertia(
-        None, f"inertia of the crank (torque only){DEFAULT_OF_ROD}"
-    )
-    rod_inertia: float | None = chosen_inertia(
-        None, f"inertia of the rod{DEFAULT_OF_ROD}"
-    )
-    upper_inertia: float | None = chosen_inertia(
-        None, f"inertia of the upper link{DEFAULT_OF_ROD}"
-    )
-    lower_inertia: float | None = chosen_inertia(
-        None, f"inertia of the lower link{DEFAULT_OF_ROD}"
-    )
+    crank_inertia: float | None = thin_rod_inertia("the crank (torque only)")
+    rod_inertia: float | None = thin_rod_inertia("the rod")
+    upper_inertia: float | None = thin_rod_inertia("the upper link")
+    lower_inertia: float | None = thin_rod_inertia("the lower link")
     gravity: float = gravity_field()
     speed: float = chosen_speed(2.0 * math.pi, "crank speed omega")
     run_up: int = run_up_field()
@@ -261,7 +236,7 @@ class SixBar(Mechanism):
             bodies=(
                 *crown.bodies,
                 *bars_of(self, "crank", "rod", "upper link", "lower link"),
-                Body("slider", self.slider_mass, self._slide_inertia(self.slider_mass)),
+                self._slide("slider", self.slider_mass),
             ),
             joints=(
                 *crown.guides,
@@ -271,7 +246,7 @@ class SixBar(Mechanism):
                 Pin("P", crown.ends["P"], "upper link.tail"),
                 Pin("C", "upper link.head", "lower link.tail"),
                 Pin("D", "lower link.head", "slider"),
-                Guide("guide", "slider", direction=0.5 * math.pi),
+                self._guide("slider", 0.5 * math.pi),
             ),
             drives=(self._drive("crank"),),
             guess={
@@ -306,12 +281,8 @@ class TwoPoint(Mechanism):
     crank_mass: float = chosen_mass(60.0, "mass of a crank")
     rod_mass: float = chosen_mass(80.0, "mass of a rod")
     slider_mass: float = chosen_mass(500.0, "mass of the slide with the upper tool")
-    crank_inertia: float | None = chosen_inertia(
-        None, f"inertia of a crank (torque only){DEFAULT_OF_ROD}"
-    )
-    rod_inertia: float | None = chosen_inertia(
-        None, f"inertia of a rod{DEFAULT_OF_ROD}"
-    )
+    crank_inertia: float | None = thin_rod_inertia("a crank (torque only)")
+    rod_inertia: float | None = thin_rod_inertia("a rod")
     gravity: float = gravity_field()
     speed: float = chosen_speed(
         2.0 * math.pi, "speed of crank 2; crank 1 has the opposite one"
@@ -338,16 +309,14 @@ class TwoPoint(Mechanism):
                 Pin(f"A{number}", f"{crank}.head", f"{rod}.tail"),
                 Pin(f"B{number}", f"{rod}.head", f"slider.{number}"),
             ]
-            drives.append(
-                Drive(crank, side * self.speed, up, torque_limit=self.torque_limit)
-            )
+            drives.append(self._drive(crank, up, side))
         # The guide holds the angle of the slide, so that its inertia has no effect.
         points = {"1": (-half, 0.0), "2": (half, 0.0)}
         bodies.append(Body("slider", self.slider_mass, 1.0, points))
         return assemble(
             name=self.kind,
             bodies=bodies,
-            joints=(*joints, Guide("guide", "slider", direction=up)),
+            joints=(*joints, self._guide("slider", up)),
             drives=drives,
             guess={"rod 1": -up, "rod 2": -up},
             gravity=self.gravity,

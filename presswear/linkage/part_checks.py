@@ -42,10 +42,10 @@ def _check_name(kind: str, name: str) -> None:
 
 def check_joint_names(joints: Sequence[str]) -> None:
     """Raise InputError where a name begins with that of another joint and ``_``."""
-    for short, long in permutations(joints, 2):
-        if long.startswith(f"{short}_"):
+    for joint, longer in permutations(joints, 2):
+        if longer.startswith(f"{joint}_"):
             raise InputError(
-                f"name of a joint = {long!r}: must not begin with {short}_, because {short} is "
+                f"name of a joint = {longer!r}: must not begin with {joint}_, because {joint} is "
                 "a joint too"
             )
 
@@ -68,15 +68,16 @@ def check_inertias(
     bodies: Sequence[Body], guides: Sequence[Guide], drives: Sequence[Drive]
 ) -> None:
     """Raise InputError for a body without inertia that can turn."""
-    fixed = {GROUND}
-    turning = [drive for drive in drives if not isinstance(drive, LinearDrive)]
-    fixed |= {
-        drive.body for drive in turning if drive.is_at_rest and drive.motor is None
-    }
-    for _ in guides:  # a guide on a body that cannot turn is one, too
+    fixed = {GROUND}  # bodies that cannot turn
+    for drive in drives:
+        is_at_rest = drive.is_at_rest and drive.motor is None
+        if is_at_rest and not isinstance(drive, LinearDrive):
+            fixed.add(drive.body)
+    for _ in guides:  # a body in a guide on a body that cannot turn cannot turn either
         fixed |= {guide.body for guide in guides if guide.on in fixed}
     for body in bodies:
-        if body.inertia >= MIN_INERTIA or (body.inertia == 0.0 and body.name in fixed):
+        needs_none = body.inertia == 0.0 and body.name in fixed
+        if needs_none or body.inertia >= MIN_INERTIA:
             continue
         raise InputError(
             f"inertia of {body.name} = {body.inertia:g} kg m^2: must be {MIN_INERTIA:g} kg m^2 "

@@ -10,7 +10,15 @@ from presswear.linkage.cycle import MAX_CYCLE, MIN_CYCLE
 from presswear.linkage.drives import Drive, Follow, GearedDrive, LinearDrive
 from presswear.linkage.joints import AnyPin, Guide, Joint, Pin, Revolute
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment
-from presswear.linkage.points import ANGLE, GROUND, Attachment, End, OutputPoint, angle
+from presswear.linkage.points import (
+    ANGLE,
+    GROUND,
+    Attachment,
+    End,
+    OutputPoint,
+    Place,
+    angle,
+)
 from presswear.linkage.spring import AnySpring
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.fields import count, quantity
@@ -111,20 +119,16 @@ class Placing:
     def _guide(self, guide: Guide) -> Guide:
         where = f"guide {guide.name}"
         self.check_body(guide.body, where)
-        x, y = 0.0, 0.0
-        drawn = self.bodies[guide.body].drawn_at
+        origin: Place | None = (0.0, 0.0)
         if guide.is_moving:
             self.check_body(guide.on, f"on of {where}")
             origin = self.bodies[guide.on].drawn_at
-        else:
-            origin = 0.0, 0.0
-        if drawn is not None and origin is not None:
-            x = drawn[0] - origin[0]
-            y = drawn[1] - origin[1]
-        if guide.x is not None:
-            x = guide.x
-        if guide.y is not None:
-            y = guide.y
+        slide = self.bodies[guide.body].drawn_at
+        if slide is None or origin is None:
+            slide = (0.0, 0.0)
+            origin = slide
+        x = slide[0] - origin[0] if guide.x is None else guide.x
+        y = slide[1] - origin[1] if guide.y is None else guide.y
         return replace(guide, x=x, y=y)
 
     def drive(self, drive: Drive) -> Drive:
@@ -183,22 +187,22 @@ class Placing:
         return load
 
 
-def part_with_names(bodies: Sequence[Body], part: Any) -> Any:
-    """Return a part of a linkage with its points by name, as in a file."""
-    if isinstance(part, OutputPoint):
-        return _name_of(bodies, part.attachment)
-    if isinstance(part, Attachment):
-        return _name_of(bodies, part)
-    if type(part) is Revolute:
-        ends = _name_of(bodies, part.first), _name_of(bodies, part.second)
-        return Pin(part.name, *ends, part.stiffness, part.damping_ratio)
-    if not isinstance(part, AnySpring | Revolute | Force | Drive | Follow):
-        return part
+def part_with_names(bodies: Sequence[Body], element: Any) -> Any:
+    """Return an element of a linkage with its points by name, as in a file."""
+    if isinstance(element, OutputPoint):
+        return _name_of(bodies, element.attachment)
+    if isinstance(element, Attachment):
+        return _name_of(bodies, element)
+    if type(element) is Revolute:
+        ends = _name_of(bodies, element.first), _name_of(bodies, element.second)
+        return Pin(element.name, *ends, element.stiffness, element.damping_ratio)
+    if not isinstance(element, AnySpring | Revolute | Force | Drive | Follow):
+        return element
     values = {
-        item.name: part_with_names(bodies, getattr(part, item.name))
-        for item in fields(part)
+        item.name: part_with_names(bodies, getattr(element, item.name))
+        for item in fields(element)
     }
-    return type(part)(**values)
+    return type(element)(**values)
 
 
 def _name_of(bodies: Sequence[Body], point: Attachment) -> End:

@@ -77,13 +77,12 @@ class Geometry(Checked):
                 raise InputError(
                     f"{side} = {value:g}: allowed is -1 (right, below) or 1 (left, above)"
                 )
-        short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
-        if longest >= short + middle:
-            allowed = (
-                f"must be below the sum of the others, {written(short + middle, 'm')}"
+        *shorter_sides, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
+        if longest >= sum(shorter_sides):
+            raise InputError(
+                f"plate 4 is not a triangle: its longest side {written(longest, 'm')} must be "
+                f"below the sum of the others, {written(sum(shorter_sides), 'm')}"
             )
-            fault = f"its longest side {written(longest, 'm')} {allowed}"
-            raise InputError(f"plate 4 is not a triangle: {fault}")
 
 
 # Geometries with nearly the two peak values that the paper prints
@@ -208,14 +207,14 @@ class Press(Mechanism):
             Bar("rod 3", self.length_3, self.mass_3, self.inertia_3),
             Body("plate 4", self.mass_4, self.inertia_4),
             Bar("rod 5", self.length_5, self.mass_5, self.inertia_5),
-            Body("slider 6", self.mass_6, self._slide_inertia(self.mass_6)),
+            self._slide("slider 6", self.mass_6),
             Bar("crank 7", self.length_7, self.mass_7, self.inertia_7),
         )
         return assemble(
             name="seven-bar press",
             bodies=(*crown.bodies, *bodies),
             joints=(*crown.guides, *self._joints(crown.ends)),
-            drives=(self._drive_2, self._drive_7),
+            drives=(self._drive("crank 2", CRANK_2_START, -1.0), self._drive_7),
             output=OutputPoint("slider 6", 0.5 * math.pi),
             guess=self.guess,
             gravity=self.gravity,
@@ -237,23 +236,13 @@ class Press(Mechanism):
             Pin("C", "rod 5.head", corner["C"]),
             Pin("D", "crank 7.head", corner["D"]),
             Pin("E", "rod 5.tail", "slider 6"),
-            Guide(
-                "guide",
+            self._guide(
                 "slider 6",
+                0.5 * math.pi,
                 x=self.geometry.hx,
                 y=0.0,
-                direction=0.5 * math.pi,
                 angle=0.5 * math.pi,
-                length=self.guide_length,
-                width=self.guide_width,
             ),
-        )
-
-    @property
-    def _drive_2(self) -> Drive:
-        limit = None if self.motor else self.torque_limit
-        return Drive(
-            "crank 2", -self.speed, CRANK_2_START, torque_limit=limit, motor=self.motor
         )
 
     @property

@@ -58,7 +58,8 @@ class Surface:
                 f"depth = {shown(self.depth)}: a one-dimensional array of numbers is expected, m"
             )
         slope = monotone_slopes(depth) if depth.size else np.zeros(0)
-        depth.flags.writeable = slope.flags.writeable = False
+        depth.flags.writeable = False
+        slope.flags.writeable = False
         object.__setattr__(self, "depth", depth)
         object.__setattr__(self, "slope", slope)
 
