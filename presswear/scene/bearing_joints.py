@@ -35,26 +35,26 @@ class BearingJoints:
     def loose_pins(self) -> tuple[str, ...]:
         """Names of the pin joints with clearance."""
         guides = [guide.name for guide in self.loose_guides]
-        return tuple(
-            name
-            for name in self.bearing_joints
-            if name not in guides and self.bearing(name).clearance > 0.0
-        )
+        names = []
+        for name in self.bearing_joints:
+            if name not in guides and self.bearing(name).clearance > 0.0:
+                names.append(name)
+        return tuple(names)
 
     @property
     def loose_guides(self) -> tuple[Guide, ...]:
         """Guides with clearance."""
         names = self.bearing_joints
-        return tuple(
-            guide for guide in self.mechanism.linkage().guides if guide.name in names
-        )
+        guides = self.mechanism.linkage().guides
+        return tuple(guide for guide in guides if guide.name in names)
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance; a guide has the names of its four corners."""
-        guides = (guide.name for guide in self.loose_guides)
-        corners = (f"{guide} {corner}" for guide in guides for corner in CORNERS)
-        return (*self.loose_pins, *corners)
+        names = [*self.loose_pins]
+        for guide in self.loose_guides:
+            names += [f"{guide.name} {corner}" for corner in CORNERS]
+        return tuple(names)
 
     @property
     def all_loose_joints(self) -> tuple[str, ...]:
@@ -64,12 +64,13 @@ class BearingJoints:
     @property
     def worn_guides(self) -> tuple[Guide, ...]:
         """Guides with clearance whose walls wear, with maps along the ideal motion."""
-        has_drives = bool(self.mechanism.linkage().drives)
-        return tuple(
-            guide
-            for guide in self.loose_guides
-            if has_drives and self.bearing(guide.name).materials.wear_coefficient > 0.0
-        )
+        if not self.mechanism.linkage().drives:
+            return ()
+        guides = []
+        for guide in self.loose_guides:
+            if self.bearing(guide.name).materials.wear_coefficient > 0.0:
+                guides.append(guide)
+        return tuple(guides)
 
     @property
     def wearing_joints(self) -> tuple[str, ...]:
@@ -79,9 +80,8 @@ class BearingJoints:
     @property
     def rigid_bearings(self) -> tuple[str, ...]:
         """Names of the joints that have a bearing without clearance."""
-        return tuple(
-            name for name in self.bearing_joints if self.bearing(name).clearance == 0.0
-        )
+        joints = self.bearing_joints
+        return tuple(name for name in joints if self.bearing(name).clearance == 0.0)
 
     @property
     def dry_pins(self) -> tuple[str, ...]:
@@ -98,8 +98,9 @@ class BearingJoints:
         """Bearings of single pins by their names, and the common bearing by an empty name."""
         guides = {guide.name for guide in self.loose_guides}
         bearings = {"": self.bearings, **self.joint_bearings}
+        # With guides, the common bearing may be that of no pin.
         if guides and guides | self.joint_bearings.keys() >= set(self.bearing_joints):
             del bearings[""]
-        return {
-            name: bearing for name, bearing in bearings.items() if name not in guides
-        }
+        for guide in guides:
+            bearings.pop(guide, None)
+        return bearings

@@ -71,12 +71,16 @@ def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
         meaning = setting.meaning
         if setting.value == expected.get(key, setting.value):
             continue
-        values = [NONE if v is None else v for v in (setting.value, expected[key])]
         quantity = meaning if isinstance(meaning, Quantity) else Quantity()
-        (value, before), unit = quantity.texts(*values)
-        changes.append(Change(key, value, before, unit, meaning.text))
+        value = _or_none(setting.value)
+        (text, before), unit = quantity.texts(value, _or_none(expected[key]))
+        changes.append(Change(key, text, before, unit, meaning.text))
     keys = {setting.key for setting in settings}
     return (*changes, *_part_changes(base, scene, keys))
+
+
+def _or_none(value: Any) -> Any:
+    return NONE if value is None else value
 
 
 def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
@@ -95,9 +99,10 @@ def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
         if setting.value not in meaning.words:
             values[key] = setting.value  # a set without a name: its values are compared
         elif setting.value not in (values.get(key, setting.value), NONE):
-            part = meaning.convert(key, setting.value)
-            inner = settings_in(part, prefix=f"{key}." if meaning.kinds else "")
-            values |= {item.key: item.value for item in inner}
+            expected = meaning.convert(key, setting.value)
+            prefix = f"{key}." if meaning.kinds else ""
+            for item in settings_in(expected, prefix=prefix):
+                values[item.key] = item.value
     for joint in scene.joint_bearings:
         for item in settings_in(scene.bearings):
             key = item.key
@@ -113,16 +118,17 @@ def _expected_values(base: Scene, scene: Scene) -> dict[str, Any]:
 
 def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
     """Yield the changes of the mechanism and of the surfaces, which are not settings."""
-    was = base.as_dict()
+    before = base.as_dict()
     data = scene.as_dict()
-    names = [key for key, *_ in differences(was["mechanism"], data["mechanism"])]
-    names = [key for key in dict.fromkeys(names) if key not in keys]
+    names = dict[str, None]()  # in the order of the mechanism
+    for key, _, _ in differences(before["mechanism"], data["mechanism"]):
+        if key not in keys:
+            names[key] = None
     if names:
-        text = "mechanism; differs in " + ", ".join(names)
-        new = _mechanism_name(scene)
-        old = _mechanism_name(base)
-        yield Change("mechanism", new, old, "", text)
-    if scene.surfaces and data["surfaces"] != was["surfaces"]:
+        text = f"mechanism; differs in {', '.join(names)}"
+        value = _mechanism_name(scene)
+        yield Change("mechanism", value, _mechanism_name(base), "", text)
+    if scene.surfaces and data["surfaces"] != before["surfaces"]:
         source = scene.origins.get("surfaces", "a script")
         yield Change(
             "surfaces", f"from {source}", "round", "", "initial surfaces of every run"

@@ -174,9 +174,9 @@ class Service:
     @property
     def words(self) -> str:
         """Description of the service in words."""
-        part = "walls" if self.is_guide else "bushing"
+        element = "walls" if self.is_guide else "bushing"
         change = "rotated by half a turn" if self.is_rotated else "replaced"
-        return f"{part} of {self.joint} {change}"
+        return f"{element} of {self.joint} {change}"
 
 
 # Settings of a bearing whose names stand for a quantity of LIFE_QUANTITIES
@@ -275,14 +275,14 @@ class Life(Checked):
         joints = (*pins, *guides)
         for key, text in (("replaced", self.replaced), ("rotated", self.rotated)):
             is_rotated = key == "rotated"
-            for part in filter(None, map(str.strip, text.split(","))):
-                joint, strokes = self._parse_service(key, part)
+            for service in filter(None, map(str.strip, text.split(","))):
+                joint, strokes = self._parse_service(key, service)
                 if joint not in joints:
                     raise unknown(f"joint with clearance in {key}", joint, joints)
                 is_guide = joint in guides
                 if is_rotated and is_guide:
                     raise InputError(
-                        f"{key} = {part!r}: the walls of a guide can be replaced only"
+                        f"{key} = {service!r}: the walls of a guide can be replaced only"
                     )
                 services.append(Service(joint, strokes, is_rotated, is_guide))
         return tuple(sorted(services, key=lambda service: service.strokes))

@@ -1,7 +1,7 @@
 """Warnings about numbers that machines rarely have, such as a mass in g written as kg."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 from presswear.linkage.bodies import Body
@@ -59,11 +59,9 @@ def unusual_joints(key: str, values: Mapping[str, float], words: str) -> list[st
 def _unusual_text(key: str, values: Sequence[float], words: str) -> str:
     """Return the sentence on SI values on one side of their usual range."""
     low, high, unit = USUAL[key]
-    limit = (
-        f"at least {readable(low)}"
-        if values[0] < low
-        else f"up to {quantity_text(high, unit)}"
-    )
+    limit = f"up to {quantity_text(high, unit)}"
+    if values[0] < low:
+        limit = f"at least {readable(low)}"
     texts = " and ".join(dict.fromkeys(quantity_text(value, unit) for value in values))
     return f"{words} is {texts} (usual: {limit}); check the units"
 
@@ -82,13 +80,7 @@ def doubts(scene: Scene) -> list[str]:
     for drive in linkage.drives:
         lines += unusual("speed", abs(drive.speed), f"the speed of {drive.body}")
     bearings = {name: scene.bearing(name) for name in scene.loose_pins}
-    relative = {
-        name: bearing.clearance / bearing.bearing_radius
-        for name, bearing in bearings.items()
-    }
-    words = "the clearance of {joints}, divided by the radius of the bearing,"
-    lines += unusual_joints("relative clearance", relative, words)
-    lines += _oil_doubts(bearings)
+    lines += _clearance_doubts(bearings)
     if scene.process is not None:
         lines += _stress_doubts(linkage, scene.process)
     return lines
@@ -137,39 +129,32 @@ def _unused_limit(scene: Scene) -> list[str]:
     ]
 
 
-def _oil_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
-    """Return sentences on numbers of oiled joints for which no formula of a film holds."""
-    oiled = {
-        name: bearing
-        for name, bearing in bearings.items()
-        if bearing.viscosity is not None
-    }
-    numbers: tuple[tuple[str, Callable[[Bearing], float], str], ...] = (
-        (
-            "viscosity",
-            lambda bearing: bearing.viscosity or 0.0,
-            "the viscosity of {joints}",
-        ),
-        (
-            "oiled clearance",
-            lambda bearing: bearing.clearance / bearing.bearing_radius,
-            "the clearance divided by the radius of the oiled bearing of {joints}",
-        ),
-        (
-            "oiled width",
-            lambda bearing: 0.5 * bearing.width / bearing.bearing_radius,
-            "the width divided by the diameter of the oiled bearing of {joints}",
-        ),
-    )
-    lines = list[str]()
-    for key, value_of, words in numbers:
-        values = {name: value_of(bearing) for name, bearing in oiled.items()}
-        lines += unusual_joints(key, values, words)
-    return lines
+def _clearance_doubts(bearings: Mapping[str, Bearing]) -> list[str]:
+    """Return sentences on clearances, and on oiled joints for which no formula of a film holds."""
+    clearance = {}  # over the radius of the bearing
+    oiled_clearance = {}
+    oiled_width = {}  # over the diameter of the bearing
+    viscosity = {}
+    for name, bearing in bearings.items():
+        clearance[name] = bearing.clearance / bearing.bearing_radius
+        if bearing.viscosity is not None:
+            viscosity[name] = bearing.viscosity
+            oiled_clearance[name] = clearance[name]
+            oiled_width[name] = 0.5 * bearing.width / bearing.bearing_radius
+    clearance_words = "the clearance of {joints}, divided by the radius of the bearing,"
+    oiled_words = "the clearance divided by the radius of the oiled bearing of {joints}"
+    width_words = "the width divided by the diameter of the oiled bearing of {joints}"
+    return [
+        *unusual_joints("relative clearance", clearance, clearance_words),
+        *unusual_joints("viscosity", viscosity, "the viscosity of {joints}"),
+        *unusual_joints("oiled clearance", oiled_clearance, oiled_words),
+        *unusual_joints("oiled width", oiled_width, width_words),
+    ]
 
 
 def _length(linkage: Linkage, body: Body) -> float:
     """Return the largest distance between joints of a body, m."""
-    ends = [end for joint in linkage.revolutes for end in (joint.first, joint.second)]
-    points = [(end.x, end.y) for end in ends if end.body == body.name]
+    points = []
+    for joint in linkage.revolutes:
+        points += [(end.x, end.y) for end in joint.ends if end.body == body.name]
     return max((math.dist(*pair) for pair in combinations(points, 2)), default=0.0)

@@ -174,42 +174,37 @@ class Scene(LinkageWithUserLaws, Checked):
         self._set(bearings=converted("bearings", self.bearings, Bearing))
         super().__post_init__()
         self._give_stiffness_to_joints()
-        for name in self.joint_bearings:
-            if name not in self.mechanism.allowed_joints:
-                raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
-        self._set(  # in one spelling, so that equal scenes are equal
-            joints=self.joint_choice.combine(self.bearing_joints),
-            joint_bearings={
-                name: bearing
-                for name, bearing in self.joint_bearings.items()
-                if bearing != self.bearings
-            },
-            surfaces=initial_surfaces(
-                self.surfaces,
-                self.wearing_joints,
-                self.worn_guides,
-                self.bearing,
-                self.conventions.contact,
-            ),
-        )
+        self._normalise()
         if self.life is None and not self.wearing_joints:
             self._set(wear_updates=0)  # no joint wears
         self._check_bearings()
         if self.life is not None:
-            pins = {name: self.bearing(name) for name in self.loose_pins}
-            check_life(
-                self.life,
-                self.life_limits,
-                pins,
-                self._deepest_walls,
-                self.conventions,
-                self.wear_updates,
-                self.replicates,
-            )
+            self._check_life(self.life)
         elif self.replicate_count > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: allowed is 1 without clearance"
             )
+
+    def _normalise(self) -> None:
+        """Write joints, bearings and surfaces in one form, so that equal scenes are equal."""
+        joint_bearings = {}
+        for name, bearing in self.joint_bearings.items():
+            if name not in self.mechanism.allowed_joints:
+                raise unknown("joint in bearings", name, self.mechanism.allowed_joints)
+            if bearing != self.bearings:
+                joint_bearings[name] = bearing
+        self._set(
+            joints=self.joint_choice.combine(self.bearing_joints),
+            joint_bearings=joint_bearings,
+        )
+        surfaces = initial_surfaces(
+            self.surfaces,
+            self.wearing_joints,
+            self.worn_guides,
+            self.bearing,
+            self.conventions.contact,
+        )
+        self._set(surfaces=surfaces)
 
     def _open_joints(self) -> None:
         """Give clearance to the joints in ``bearings``, or to the default of the mechanism."""
@@ -240,12 +235,27 @@ class Scene(LinkageWithUserLaws, Checked):
         for guide in self.loose_guides:
             self._check_guide(guide)
 
+    def _check_life(self, life: Life) -> None:
+        """Raise InputError if the service life cannot be computed."""
+        deepest_walls = {}
+        for guide in self.worn_guides:
+            deepest_walls[guide.name] = deepest_wall(self.bearing(guide.name), guide)
+        check_life(
+            life,
+            self.life_limits,
+            {name: self.bearing(name) for name in self.loose_pins},
+            deepest_walls,
+            self.conventions,
+            self.wear_updates,
+            self.replicates,
+        )
+
     def _check_guide(self, guide: Guide) -> None:
         """Raise InputError if a guide cannot have its clearance."""
         check_guide(self.bearing(guide.name), guide)
         linkage = self.mechanism.linkage()
-        others = [joint for joint in linkage.joints if joint.name != guide.name]
-        if len(closing_guides(others)) < len(closing_guides(linkage.joints)):
+        without_guide = [joint for joint in linkage.joints if joint.name != guide.name]
+        if len(closing_guides(without_guide)) < len(closing_guides(linkage.joints)):
             raise InputError(
                 f"bearings of {guide.name}: guides alone close a loop with it; allowed is a guide "
                 "outside of such a loop"
@@ -261,9 +271,11 @@ class Scene(LinkageWithUserLaws, Checked):
         """Move the stiffness of the common bearing to the joints that have this bearing."""
         if self.bearings.stiffness is None:
             return
-        common = dict.fromkeys(self.bearing_joints, self.bearings)
-        each = {**common, **self.joint_bearings}
-        self._set(joint_bearings=each, bearings=replace(self.bearings, stiffness=None))
+        bearings = dict.fromkeys(self.bearing_joints, self.bearings)
+        self._set(
+            joint_bearings={**bearings, **self.joint_bearings},
+            bearings=replace(self.bearings, stiffness=None),
+        )
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -276,11 +288,9 @@ class Scene(LinkageWithUserLaws, Checked):
         of the drives and the engine. Called once before a run, because it takes longer
         than the checks of single values.
         """
-        coefficients = [
-            self.bearing(joint).materials.wear_coefficient
-            for joint in self.all_loose_joints
-        ]
-        if self.wear_updates > 0 and coefficients and not any(coefficients):
+        bearings = [self.bearing(joint) for joint in self.all_loose_joints]
+        can_wear = any(item.materials.wear_coefficient for item in bearings)
+        if self.wear_updates > 0 and bearings and not can_wear:
             raise InputError(
                 "wear_coefficient = 0: with wear_updates or a life allowed is above 0"
             )
@@ -320,20 +330,12 @@ class Scene(LinkageWithUserLaws, Checked):
         """Limits of the service life; none without a life."""
         if self.life is None:
             return ()
-        pins = {name: self.bearing(name).clearance for name in self.loose_pins}
-        tilts = {
-            guide.name: largest_tilt(guide, self.bearing(guide.name).clearance)
-            for guide in self.worn_guides
-        }
-        return self.life.limits(pins, tilts)
-
-    @property
-    def _deepest_walls(self) -> dict[str, float]:
-        """Largest wear depth for which the model of a wall is valid, m, by guide."""
-        return {
-            guide.name: deepest_wall(self.bearing(guide.name), guide)
-            for guide in self.worn_guides
-        }
+        clearances = {name: self.bearing(name).clearance for name in self.loose_pins}
+        tilts = {}
+        for guide in self.worn_guides:
+            clearance = self.bearing(guide.name).clearance
+            tilts[guide.name] = largest_tilt(guide, clearance)
+        return self.life.limits(clearances, tilts)
 
     @property
     def replicate_count(self) -> int:
@@ -342,7 +344,8 @@ class Scene(LinkageWithUserLaws, Checked):
             return self.replicates
         if self.life is not None:
             return LIFE_REPLICATES
-        return REPLICATES if self.wear_updates > 0 and self.clearance_joints else 1
+        is_wearing = self.wear_updates > 0 and self.clearance_joints
+        return REPLICATES if is_wearing else 1
 
     @property
     def is_quick(self) -> bool:
@@ -373,13 +376,16 @@ class Scene(LinkageWithUserLaws, Checked):
     @property
     def bin_remark(self) -> str:
         """Remark on wear depths that depend on the width of the bins; else empty."""
-        bearings = [self.bearing(name) for name in self.loose_pins]
-        wearing = [
-            bearing for bearing in bearings if bearing.materials.wear_coefficient > 0.0
-        ]
-        if self.conventions.wear_distribution != "bin" or not wearing:
+        if self.conventions.wear_distribution != "bin":
             return ""
-        widths = dict.fromkeys(f"{360.0 / bearing.angles:.3g}°" for bearing in wearing)
+        widths = []  # one text for each width
+        for name in self.loose_pins:
+            bearing = self.bearing(name)
+            width = f"{360.0 / bearing.angles:.3g}°"
+            if bearing.materials.wear_coefficient > 0.0 and width not in widths:
+                widths.append(width)
+        if not widths:
+            return ""
         return f"bins of {' and '.join(widths)}; twice as many bins halve it"
 
     @property
@@ -392,7 +398,9 @@ class Scene(LinkageWithUserLaws, Checked):
         if self.wear_updates > 0:
             return "wear"
         is_short = self.cycles is not None and self.cycles <= STARTUP_CYCLES
-        return "trajectory" if is_short or not self.clearance_joints else "forces"
+        if is_short or not self.clearance_joints:
+            return "trajectory"
+        return "forces"
 
     @cached_property
     def solver(self) -> Engine:

@@ -29,29 +29,26 @@ class LinkageWithUserLaws(LoadedLinkage):
     @property
     def user_laws(self) -> dict[str, UserFunction]:
         """User laws, source code, by keys such as ``A.normal_law`` and ``loads[0].law``."""
-        laws = {
-            f"{joint}.{key}": getattr(self.bearing(joint), key)
-            for joint in self.all_loose_joints
-            for key in ("normal_law", "friction_law", "wear_law")
-        }
-        laws |= {
-            f"{joint}.friction_law": self.bearing(joint).friction_law
-            for joint in self.rigid_bearings
-        }
-        applied = enumerate(self.mechanism.linkage().loads)
-        laws |= {f"loads[{k}].law": getattr(load, "law", None) for k, load in applied}
-        drives = enumerate(self.mechanism.linkage().drives)
-        laws |= {
-            f"drives[{k}].motor.law": getattr(drive.motor, "law", None)
-            for k, drive in drives
-        }
+        laws: dict[str, Any] = {}
+        for joint in self.all_loose_joints:
+            bearing = self.bearing(joint)
+            laws[f"{joint}.normal_law"] = bearing.normal_law
+            laws[f"{joint}.friction_law"] = bearing.friction_law
+            laws[f"{joint}.wear_law"] = bearing.wear_law
+        for joint in self.rigid_bearings:
+            laws[f"{joint}.friction_law"] = self.bearing(joint).friction_law
+        linkage = self.mechanism.linkage()
+        for k, load in enumerate(linkage.loads):
+            laws[f"loads[{k}].law"] = getattr(load, "law", None)
+        for k, drive in enumerate(linkage.drives):
+            laws[f"drives[{k}].motor.law"] = getattr(drive.motor, "law", None)
         return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
 
     @property
     def has_untrusted_loads(self) -> bool:
         """True if ideal torques would execute source code that was read from a result."""
-        laws = self.user_laws.items()
-        return any(key.startswith("loads[") and not law.is_trusted for key, law in laws)
+        laws = [law for key, law in self.user_laws.items() if key.startswith("loads[")]
+        return not all(law.is_trusted for law in laws)
 
     @property
     def is_trusted(self) -> bool:
