@@ -23,6 +23,17 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 from presswear.validation.cases import finished
 
+# Engines, and tolerances of places, m, in smooth motions
+ENGINES: list[tuple[Engine, float]] = [
+    (InHouse(integration_tolerance=1e-12, free_step=0.01), 1e-10),
+    (InHouse("rk4", equal_step=0.77e-3), 1e-8),
+    (ExudynTree(tree_tolerance=1e-11, free_step=0.01), 1e-9),
+    (ExudynJoints(50, 10, free_step=3e-4, newton=1e-10), 2e-5),
+]
+in_every_engine = pytest.mark.parametrize(
+    ("engine", "within"), ENGINES, ids=["dop853", "rk4", "exudyn-tree", "exudyn-joints"]
+)
+
 
 def run_scene(
     scene: Scene,

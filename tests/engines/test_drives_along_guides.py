@@ -1,11 +1,10 @@
-"""Drives along a guide: closed forms, energy, all engines, units of results, and messages."""
+"""Drives along a guide: closed forms, units of results, and messages."""
 
 import math
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from runs import compare_engines
 from slotted import SPEED, cylinder, loose_scene
 
 import presswear as pw
@@ -18,8 +17,6 @@ from presswear.physics.inverse_dynamics import needed_torques
 from presswear.results.export import table_of, unit_of
 from presswear.show.report import render_report
 from presswear.tools.errors import InputError
-
-DURATION = 0.006  # s, some touchdowns
 
 
 def lift(direction: float) -> Linkage:
@@ -48,12 +45,6 @@ def test_force_on_a_slide(direction):
     inertia = -0.04 * 6.0**2 * np.sin(6.0 * time)
     weight = linkage.gravity * math.sin(direction)
     assert_allclose(force, 300.0 * (inertia + weight), atol=1e-9)
-
-
-@pytest.mark.parametrize("joints", ["A", "B", "C", "none"])
-def test_engines_agree_and_keep_the_energy(joints):
-    """The piston alone is prescribed, or with its loop, or all bodies are."""
-    compare_engines(loose_scene(cylinder(), joints=joints), DURATION)
 
 
 def test_results_have_the_units_of_a_force(tmp_path):

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from listeners import Keeps
-from runs import energy_residual
+from runs import energy_residual, in_every_engine
 from scipy.integrate import quad, solve_ivp
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.bodies import Body
 from presswear.linkage.joints import Guide
 from presswear.linkage.linkage import Linkage, assemble
@@ -33,17 +33,6 @@ from presswear.tools.user_function import UserFunction
 from presswear.validation.cases import finished, order_of
 
 UP = 0.5 * math.pi
-FREE = 0.01
-"""Longest step, s."""
-ENGINES: list[tuple[Engine, float]] = [
-    (InHouse(integration_tolerance=1e-12, free_step=FREE), 1e-11),
-    (InHouse("rk4", equal_step=0.77e-3), 1e-8),
-    (ExudynTree(tree_tolerance=1e-11, free_step=FREE), 1e-9),
-    (ExudynJoints(50, 10, free_step=3e-4, newton=1e-10), 2e-5),
-]
-EVERY = pytest.mark.parametrize(
-    ("engine", "within"), ENGINES, ids=["dop853", "rk4", "exudyn-tree", "exudyn-joints"]
-)
 
 
 def guided(law: Law, gravity: float = 0.0, mass: float = 1.0) -> Linkage:
@@ -92,7 +81,7 @@ def along(ran: Run, linkage: Linkage) -> tuple[float, float]:
     return float(ran.end.position @ unit), float(ran.end.velocity @ unit)
 
 
-@EVERY
+@in_every_engine
 def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
     engine: Engine, within
 ):
@@ -128,7 +117,7 @@ def bounced(place: float, speed: float, end: float) -> tuple[float, float]:
     return 0.1 - speed * (end - touch - math.pi / FREQUENCY), -speed
 
 
-@EVERY
+@in_every_engine
 def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, within):
     """Twice through: the second stroke meets it again, once the whole way back is made."""
     table = [(0.0, 0.0), (0.02, -30.0), (0.05, -40.0)]
@@ -185,7 +174,7 @@ def dented(
     return place, speed, deepest
 
 
-@EVERY
+@in_every_engine
 def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within):
     """It falls into a sheet once; later falls reach the same depth, and take nothing."""
     g = 2.0
@@ -204,7 +193,7 @@ def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within):
     assert energy_residual(ran) < max(1e-12, 40.0 * within)
 
 
-@EVERY
+@in_every_engine
 def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within):
     """Where it is loaded first, on the elastic line, and behind it."""
     linkage = guided(SHEET)
@@ -284,7 +273,7 @@ def test_order_eight_follows_its_tolerance_over_a_bend():
     assert max(steps) < 60
 
 
-@EVERY
+@in_every_engine
 def test_what_rests_at_a_change_of_law_stays_there(engine: Engine, within):
     """At rest on a bend: round-off to and fro is no event."""
     spring = Spring(
@@ -329,7 +318,7 @@ def wobble(time: float, position: float, speed: float) -> float:
     return -3.0 * position - 0.2 * speed + math.sin(time)
 
 
-@EVERY
+@in_every_engine
 def test_a_function_of_ones_own_is_a_load(engine: Engine, within):
     """A damped oscillator under sin t."""
     linkage = guided(wobble)

@@ -1,11 +1,14 @@
 """Slots with clearance in scenes: the map of their walls, refusals, and files."""
 
+from dataclasses import replace
+
 import pytest
 from slotted import (
     driven_rod,
     quick_return,
     scotch_yoke,
     sized,
+    slotted_crank,
 )
 
 import presswear as pw
@@ -41,6 +44,15 @@ def test_what_a_slot_cannot_have_is_refused():
     work = {"process": "coining", "process.offset": "10 mm"}
     with pytest.raises(pw.InputError, match=r"process.offset = 10 mm: .* is on yoke"):
         changed(moved, work).check()
+
+
+def test_a_slot_on_a_driven_body_is_explained():
+    scene = pw.Scene(slotted_crank(), joints="A", wear_updates=0)
+    with pytest.raises(
+        pw.InputError, match="slot is on crank, whose motion drives pre"
+    ):
+        replace(scene, engine="exudyn-tree").check()
+    assert replace(scene, engine="exudyn").solver.word == "exudyn-joints"
 
 
 QUICK_RETURN = """

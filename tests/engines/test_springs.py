@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from runs import energy_residual, step_response
+from runs import energy_residual, in_every_engine, step_response
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import Engine, ExudynJoints
 from presswear.linkage.bodies import Body
 from presswear.linkage.linkage import Linkage, assemble
 from presswear.linkage.loads import Force
@@ -17,16 +17,6 @@ from presswear.linkage.spring import Spring
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 
-# Engines, and the tolerances of their positions, m
-ENGINES: list[tuple[Engine, float]] = [
-    (InHouse(integration_tolerance=1e-12, free_step=0.01), 1e-10),
-    (InHouse("rk4", equal_step=0.77e-3), 1e-8),
-    (ExudynTree(tree_tolerance=1e-11, free_step=0.01), 1e-9),
-    (ExudynJoints(50, 10, free_step=3e-4, newton=1e-10), 2e-5),
-]
-each_engine = pytest.mark.parametrize(
-    ("engine", "within"), ENGINES, ids=["dop853", "rk4", "exudyn-tree", "exudyn-joints"]
-)
 MASS = 2.0  # kg
 FREQUENCY = 20.0  # of the mass on its spring, rad/s
 DURATION = 1.0  # s
@@ -59,7 +49,7 @@ def run_from(
     return engine.simulate(linkage, start, Plan(DURATION, 1))
 
 
-@each_engine
+@in_every_engine
 @pytest.mark.parametrize(
     ("x", "velocity", "decay"),
     [
@@ -82,7 +72,7 @@ def test_a_spring_without_length_is_linear(engine: Engine, within, x, velocity, 
     assert energy_residual(run) < 100.0 * within
 
 
-@each_engine
+@in_every_engine
 def test_a_spring_with_a_length_needs_a_direction(engine: Engine, within):
     linkage = free_body(spring_to_origin(0.1))
     with pytest.raises(InputError, match=r"^spring s: .*length = 100 mm"):
@@ -104,7 +94,7 @@ def square_root(time: float, position: float, speed: float) -> float:
     return math.sqrt(0.1 - position)
 
 
-@each_engine
+@in_every_engine
 def test_a_law_without_a_finite_force_is_named(engine: Engine, within):
     """The message does not advise another tolerance, which would not help."""
     pull = Force("mass", 0.0, square_root, "pull")

@@ -1,14 +1,12 @@
-"""Loops of guides alone, as of a wedge: closed forms, energy, engines and messages."""
+"""Loops of guides alone, as of a wedge: closed forms and messages."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from runs import residual, run_scene
 from slotted import SPEED, loose_scene
 
-from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.bodies import Bar, Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.joints import Guide, Pin
@@ -20,7 +18,6 @@ from presswear.tools.errors import InputError
 SLOPE = 0.3  # of the face of the wedge, rad
 WEDGE, SLIDE = 4.0, 9.0  # masses, kg
 STROKE = 0.05  # amplitude of the wedge, m
-DURATION = 0.014  # s, some touchdowns
 
 BODIES = [Body("wedge", WEDGE), Body("slide", SLIDE)]
 GUIDES = [
@@ -74,26 +71,6 @@ def test_wedge_lifts_its_slide():
     inertia = -(WEDGE + SLIDE * tangent**2) * SPEED**2 * place
     weight = SLIDE * linkage.gravity * tangent
     np.testing.assert_allclose(force, inertia - weight, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("linkage", "joints"),
-    [
-        (wedge(), "E"),
-        (turning_wedge(), "none"),
-    ],
-    ids=lambda value: value if isinstance(value, str) else value.name,
-)
-def test_engines_agree_and_keep_the_energy(linkage: Linkage, joints):
-    scene = loose_scene(linkage, joints=joints)
-    ours = run_scene(scene, InHouse(integration_tolerance=1e-11), DURATION)
-    joined = run_scene(scene, ExudynJoints(steps_per_contact=320), DURATION)
-    assert np.abs(joined.end.position - ours.end.position).max() < 3e-6
-    assert residual(ours) < 1e-9
-    assert residual(joined) < 1e-5
-    torques = ours.recorder.records.torque
-    allowed = 1e-4 * np.abs(torques).max()
-    np.testing.assert_allclose(joined.recorder.records.torque, torques, atol=allowed)
 
 
 def test_angles_that_do_not_fit_are_refused():
