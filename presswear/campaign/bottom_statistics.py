@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.campaign.cycle_means import Recorders, mean_over_cycles
+from presswear.campaign.cycle_means import CycleMeans, Recorders
 from presswear.physics.dead_centre import DWELL, Bottom, bottom_of, dwell_of
 from presswear.recording.statistics import (
     Estimate,
@@ -30,7 +30,7 @@ def bottom_statistics(
 ) -> BottomStatistics | None:
     """Return accuracy and repeatability at bottom dead centre after GB/T 29548-2024.
 
-    ``recorders`` and ``alone`` are as in ``mean_over_cycles``. None if there is no sampled
+    ``recorders`` and ``alone`` are as in ``CycleMeans``. None if there is no sampled
     stroke. The delay is None if the ideal motion, such as the motion of a servo, stays
     within ``DWELL_SHARE`` of the scatter for longer than ``DWELL``, because it then has no
     instant of bottom dead centre. It is also None if the ideal stroke has several equal
@@ -45,30 +45,28 @@ def bottom_statistics(
         return None
     heights = [run.each_cycle("bottom_height") for run in finished]
     sampled_heights = _after_startup(heights)
-    height = mean_over_cycles(finished, alone, "bottom_height")
+    height = CycleMeans(finished, alone).mean("bottom_height")
     scatter = spread(heights)
-    span, count = mean_range(heights)
+    mean_of_ranges, range_strokes = mean_range(heights)
     scatter_size = 0.0 if scatter is None else scatter.mean
     round_off = ROUND_OFF * ideal.stroke
     dwell = dwell_of(scene.ideal, max(DWELL_SHARE * scatter_size, round_off))
     delays = [ideal.delay(run.each_cycle("bottom_time")) for run in finished]
     alone_delays = [ideal.delay(run.each_cycle("bottom_time")) for run in alone]
-    equal = equal_bottoms(
-        ideal, _after_startup([*delays, *alone_delays]), max(scatter_size, round_off)
-    )
-    error = Estimate.symmetric(
-        height.mean - ideal.height, height.half_width, height.samples
-    )
+    all_delays = _after_startup([*delays, *alone_delays])
+    equal = equal_bottoms(ideal, all_delays, max(scatter_size, round_off))
     statistics = BottomStatistics(
         strokes=sampled_heights.size,
         ideal_height=ideal.height,
         ideal_time=ideal.time,
         ideal_dwell=dwell,
         height=height,
-        error=error,
+        error=Estimate.symmetric(
+            height.mean - ideal.height, height.half_width, height.samples
+        ),
         range_of_all=float(np.ptp(sampled_heights)),
-        range=span,
-        range_strokes=count,
+        range=mean_of_ranges,
+        range_strokes=range_strokes,
         standard_deviation=scatter,
         equal_bottoms=equal,
     )

@@ -1,10 +1,7 @@
-"""Means over the cycles of a stage, from the recorders of its replicates.
-
-``recorders`` are those of runs whose cycles are samples. ``alone`` are those of runs that
-are single samples, because each has different surfaces; see ``pooled``.
-"""
+"""Means over the cycles of a stage, from the recorders of its replicates."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from presswear.recording.columns import Column, with_mean
 from presswear.recording.recorder import Recorder
@@ -12,76 +9,65 @@ from presswear.recording.statistics import Estimate, after_startup, pooled
 from presswear.tools.arrays import Array
 
 Recorders = Sequence[Recorder]
-Mean = Callable[[Recorders, Recorders, str, int | None], Estimate]
 
 
-def mean_over_cycles(
-    recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
-) -> Estimate:
-    """Return the mean over cycles of a quantity with its interval; see ``pooled``."""
-    return _pooled_mean(recorders, alone, lambda run: run.each_cycle(name, joint))
+@dataclass(frozen=True)
+class CycleMeans:
+    """Means over cycles with their intervals."""
 
+    recorders: Recorders  # of runs whose cycles are samples
+    # of runs that are single samples, because each has different surfaces; see ``pooled``
+    alone: Recorders = ()
+    # False: replicates settle on different motions, or surfaces are rough, so that the
+    # interval of a peak is not valid
+    has_peak_intervals: bool = True
 
-def _pooled_mean(
-    recorders: Recorders, alone: Recorders, values: Callable[[Recorder], Array]
-) -> Estimate:
-    series = [values(run) for run in recorders]
-    single_samples = [values(run) for run in alone]
-    mean, _ = pooled(series, single_samples)
-    return mean
+    def pooled(self, values: Callable[[Recorder], Array]) -> Estimate:
+        """Return the mean of values of each cycle with its interval."""
+        runs = [values(run) for run in self.recorders]
+        single_samples = [values(run) for run in self.alone]
+        mean, _ = pooled(runs, single_samples)
+        return mean
 
+    def mean(self, name: str, joint: int | None = None) -> Estimate:
+        """Return the mean of a recorded number with its interval."""
+        return self.pooled(lambda run: run.each_cycle(name, joint))
 
-def mean_without_interval(
-    recorders: Recorders, alone: Recorders, name: str, joint: int | None = None
-) -> Estimate:
-    """Return the mean over cycles without an interval.
+    def peak(self, name: str, joint: int | None = None) -> Estimate:
+        """Return the mean of a number that depends on the motion, such as a peak."""
+        mean = self.mean(name, joint)
+        return mean if self.has_peak_intervals else mean.without_interval
 
-    An interval is not valid if replicates settle on different motions, and on rough
-    surfaces.
-    """
-    return mean_over_cycles(recorders, alone, name, joint).without_interval
+    def declared(
+        self, columns: tuple[Column, ...], joint: int | None = None
+    ) -> dict[str, Estimate]:
+        """Return the means of the columns that declare a mean, by name."""
+        names = [column.name for column in with_mean(columns)]
+        return {name: self.peak(name, joint) for name in names}
 
+    def largest(self, name: str, joint: int | None = None, sign: float = 1.0) -> float:
+        """Return the largest value of a number times ``sign`` after the start-up."""
+        runs = [after_startup(run.each_cycle(name, joint)) for run in self.recorders]
+        return max(float((sign * values).max()) for values in runs)
 
-def declared_means(
-    mean: Mean,
-    recorders: Recorders,
-    alone: Recorders,
-    columns: tuple[Column, ...],
-    joint: int | None = None,
-) -> dict[str, Estimate]:
-    """Return the means over cycles of the columns that declare a mean, by name."""
-    return {
-        column.name: mean(recorders, alone, column.name, joint)
-        for column in with_mean(columns)
-    }
+    @property
+    def cycle_time(self) -> float:
+        """Mean duration of a cycle, s; with a motor the durations differ."""
+        first = self.recorders[0]
+        if first.has_leader:
+            return self.mean("duration").mean
+        return float(first.records.output["period"][0])
 
+    @property
+    def drive_work(self) -> Estimate:
+        """Mean drive work of a cycle, J.
 
-def largest_value(
-    recorders: Recorders, name: str, joint: int | None = None, sign: float = 1.0
-) -> float:
-    """Return the largest value of a quantity times ``sign`` after the start-up."""
-    samples = (
-        after_startup(recorder.each_cycle(name, joint)) for recorder in recorders
-    )
-    return max(float((sign * rows).max()) for rows in samples)
-
-
-def mean_cycle_time(recorders: Recorders, alone: Recorders) -> float:
-    """Return the mean duration of a cycle, s; with a motor the durations differ."""
-    if recorders[0].has_leader:
-        return mean_over_cycles(recorders, alone, "duration").mean
-    return float(recorders[0].records.output["period"][0])
-
-
-def mean_drive_work(recorders: Recorders, alone: Recorders) -> Estimate:
-    """Return the mean drive work of a cycle, J.
-
-    The samples are the drive work minus the change of stored energy. Their mean over many
-    cycles is that of the drive work. They scatter less, because energy that is stored at
-    the end of a cycle is returned in the next one.
-    """
-
-    def used_energy(run: Recorder) -> Array:
-        return run.each_cycle("drive_work") - run.each_cycle("stored_energy_change")
-
-    return _pooled_mean(recorders, alone, used_energy)
+        The samples are the drive work minus the change of stored energy. Their mean over
+        many cycles is that of the drive work. They scatter less, because energy that is
+        stored at the end of a cycle is returned in the next one.
+        """
+        return self.pooled(
+            lambda run: (
+                run.each_cycle("drive_work") - run.each_cycle("stored_energy_change")
+            )
+        )

@@ -11,16 +11,7 @@ import numpy as np
 
 from presswear.campaign.bottom_statistics import bottom_statistics
 from presswear.campaign.bumps import bumps_of
-from presswear.campaign.cycle_means import (
-    Mean,
-    Recorders,
-    declared_means,
-    largest_value,
-    mean_cycle_time,
-    mean_drive_work,
-    mean_over_cycles,
-    mean_without_interval,
-)
+from presswear.campaign.cycle_means import CycleMeans
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.stage_arrays import arrays_of
 from presswear.campaign.stage_wear import StageWear, stage_wear_of, wear_peaks_of
@@ -111,19 +102,16 @@ def _statistics(
     bumps = bumps_of(ensemble, recorders)
     are_high = any(surface is not None and surface.are_high for surface in bumps)
     is_mixture = settling is not None and settling.is_mixture
-    mean_peak = mean_without_interval if is_mixture or are_high else mean_over_cycles
+    means = CycleMeans(recorders, alone, not (is_mixture or are_high))
     joints = {}
     for k, joint in enumerate(ensemble.linkage.clearances):
-        joints[joint.name] = _joint_statistics(
-            joint, k, recorders, alone, wear, mean_peak, bumps[k]
-        )
+        joints[joint.name] = _joint_statistics(joint, k, means, wear, bumps[k])
     step_errors = ensemble.state.step_errors
-    created_energy = mean_over_cycles(recorders, alone, "contact_made")
     statistics = StageStatistics(
         cycles=count,
-        energy_made_per_cycle=created_energy.positive,
-        drive_work_per_cycle=mean_drive_work(recorders, alone),
-        output=_output_statistics(recorders, alone, mean_peak),
+        energy_made_per_cycle=means.mean("contact_made").positive,
+        drive_work_per_cycle=means.drive_work,
+        output=_output_statistics(means),
         joints=joints,
         bdc=bottom_statistics(scene, recorders, alone),
         wear_error=wear_error if joints and math.isfinite(wear_error) else None,
@@ -133,7 +121,7 @@ def _statistics(
         load_distance_step_error=step_errors.get("load_distance_step_error"),
         peak_force_step_error=step_errors.get("peak_force_step_error"),
         settling=settling,
-        means=declared_means(mean_peak, recorders, alone, CYCLE),
+        means=means.declared(CYCLE),
         walls=wall_statistics(ensemble.linkage, recorders),
     )
     return statistics if _is_finite(statistics) else StageStatistics(count)
@@ -148,21 +136,16 @@ def _is_finite(statistics: StageStatistics) -> bool:
     return True
 
 
-def _output_statistics(
-    recorders: Recorders, alone: Recorders, mean_peak: Mean
-) -> OutputStatistics:
+def _output_statistics(means: CycleMeans) -> OutputStatistics:
     """Return the peaks of the motion of the output point."""
-    acceleration = mean_peak(recorders, alone, "acceleration_max", None)
     return OutputStatistics(
-        displacement_max=largest_value(recorders, "displacement_max"),
-        velocity_min=-largest_value(recorders, "velocity_min", sign=-1.0),
-        velocity_max=largest_value(recorders, "velocity_max"),
-        acceleration_max=largest_value(recorders, "acceleration_max"),
-        displacement_max_per_cycle=mean_peak(
-            recorders, alone, "displacement_max", None
-        ),
-        velocity_max_per_cycle=mean_peak(recorders, alone, "velocity_max", None),
-        acceleration_max_per_cycle=acceleration.positive,
+        displacement_max=means.largest("displacement_max"),
+        velocity_min=-means.largest("velocity_min", sign=-1.0),
+        velocity_max=means.largest("velocity_max"),
+        acceleration_max=means.largest("acceleration_max"),
+        displacement_max_per_cycle=means.peak("displacement_max"),
+        velocity_max_per_cycle=means.peak("velocity_max"),
+        acceleration_max_per_cycle=means.peak("acceleration_max").positive,
     )
 
 
@@ -177,10 +160,8 @@ def _created_fraction(diagnostics: dict[str, float | int | str]) -> float:
 def _joint_statistics(
     joint: ClearanceJoint,
     k: int,
-    recorders: Recorders,
-    alone: Recorders,
+    means: CycleMeans,
     wear: StageWear,
-    mean_peak: Mean,
     bumps: Bumps | None,
 ) -> JointStatistics:
     """Return the statistics of joint number ``k``.
@@ -194,36 +175,34 @@ def _joint_statistics(
     maps = wear.maps[:, k, :, : joint.bins]
     coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
     volume = worn_volume(joint, added_depth)
-    counters = np.array([recorder.records.counters[k] for recorder in recorders])
+    counters = np.array([recorder.records.counters[k] for recorder in means.recorders])
     contacts = int(counters["contacts"].sum())
     columns = JOINT_CYCLE if joint.oil is None else (*JOINT_CYCLE, *FILM_CYCLE)
-    means = declared_means(mean_peak, recorders, alone, columns, k)
+    declared = means.declared(columns, k)
     step_error = None
     if coarser is not None:
         step_error = STEP_SAFETY * abs(worn_volume(joint, coarser) - volume)
     deepest = wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2))
-    closed_time = means["closed_time"].mean
     (map_error,) = map_errors(maps[:, np.newaxis], wear.weights)
     wear_peaks = {}
     if not (wear.is_frozen or is_corner):
         wear_peaks = wear_peaks_of(joint, k, wear)
-    load_distance = mean_over_cycles(recorders, alone, "load_distance", k)
     return JointStatistics(
-        peak_force=largest_value(recorders, "force_max", k),
-        peak_force_per_cycle=mean_peak(recorders, alone, "force_max", k).positive,
+        peak_force=means.largest("force_max", k),
+        peak_force_per_cycle=means.peak("force_max", k).positive,
         contacts=contacts,
-        contacts_per_cycle=mean_peak(recorders, alone, "contacts", k).positive,
+        contacts_per_cycle=means.peak("contacts", k).positive,
         unresolved_contacts=int(counters["unresolved"].sum()),
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
-        contact_time_fraction=closed_time / mean_cycle_time(recorders, alone),
-        load_distance_per_cycle=load_distance.positive,
+        contact_time_fraction=declared["closed_time"].mean / means.cycle_time,
+        load_distance_per_cycle=means.mean("load_distance", k).positive,
         wear_volume=_wear_volume(joint, volume, maps, wear),
         wear_volume_step_error=step_error,
         wear_map_error=float(map_error) if math.isfinite(map_error) else None,
         wear_depth_max_by_replicate=tuple(deepest.tolist()),
         wear_peaks=wear_peaks,
         bumps=bumps,
-        means=means,
+        means=declared,
     )
 
 
