@@ -25,12 +25,10 @@ from presswear.results.run_warnings import run_warnings
 from presswear.results.stage import StageResult
 from presswear.results.stage_statistics import JointStatistics
 from presswear.results.stored_arrays import (
-    CURVE_BYTES,
+    MAX_BYTES,
     check_numbers,
     check_shapes,
     check_stage,
-    most_film_bytes,
-    most_stage_bytes,
 )
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.results.tonnage import Tonnage, tonnage_of
@@ -283,18 +281,17 @@ def load(path: str | Path, trust: bool = False) -> Result:
     joints = tuple(joint.name for joint in linkage.clearances)
     for stage in stored.stages:
         name, film = files_of(stage.index)
-        most_bytes = most_stage_bytes(scene, linkage, stage)
-        arrays = read_numbers(path / name, stored.files[name], most_bytes)
+        arrays = read_numbers(path / name, stored.files[name], MAX_BYTES)
         check_stage(arrays, scene, linkage)
         check_numbers(arrays, scene, stage)
-        read_checked(path / film, stored.files[film], most_film_bytes(linkage))
+        read_checked(path / film, stored.files[film], MAX_BYTES)
         read_film = partial(_film, path / film, stored.files[film], linkage)
         stages.append(
             replace(stage, arrays=arrays, joint_names=joints, read_film=read_film)
         )
     life = stored.life
     if life is not None and life.ended not in WITHOUT_CURVES:
-        curves = read_numbers(path / LIFE, stored.files[LIFE], CURVE_BYTES)
+        curves = read_numbers(path / LIFE, stored.files[LIFE], MAX_BYTES)
         shapes: dict[str, tuple[str | int, ...]] = dict.fromkeys(curves, ("strokes", 3))
         shapes["strokes"] = ("strokes",)
         check_shapes(curves, shapes)
@@ -312,7 +309,7 @@ def load(path: str | Path, trust: bool = False) -> Result:
 
 
 def _film(file: Path, digest: str, linkage: Linkage) -> Film:
-    arrays = read_numbers(file, digest, most_film_bytes(linkage))
+    arrays = read_numbers(file, digest, MAX_BYTES)
     joints = tuple(joint.name for joint in linkage.clearances)
     shapes: dict[str, tuple[str | int, ...]] = dict.fromkeys(arrays, ("frames",))
     shapes["position"] = ("frames", 3 * len(linkage.bodies))

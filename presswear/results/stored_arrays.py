@@ -1,13 +1,12 @@
-"""Sizes and shapes that the arrays of a stored result may have, by its scene and statistics.
+"""Shapes that the arrays of a stored result may have, by its scene.
 
-A result may come from anybody: nothing larger than a run can write is read into memory.
+A result may come from anybody: what does not fit its scene is refused.
 """
 
 import math
 
 import numpy as np
 
-from presswear.engines.base import Plan
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.guide_corner import WALL_BINS, WALLS, GuideCorner
 from presswear.linkage.linkage import Linkage
@@ -15,73 +14,16 @@ from presswear.linkage.surface import SIDES
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.columns import (
     JOINT_ARRAYS,
-    JOINT_SERIES_COUNT,
-    LEADER_SERIES_COUNT,
     SECTION_JOINT_NAMES,
-    SERIES_COUNT,
     cycle_columns,
 )
-from presswear.recording.film import FILM_CYCLES, FILM_JOINT_COUNT, FRAMES_PER_CYCLE
-from presswear.recording.series_rows import CONTACTS_AT_MOST, ROWS_AT_MOST, ROWS_IN_ALL
-from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Arrays
 from presswear.tools.errors import InputError
 
-CURVE_BYTES = 2**26  # room for the curves of a service life
-_HEADER_BYTES = 2**20  # room for the headers of all arrays
-_BYTES = 8  # bytes of a number
-# Room for further numbers of a cycle: replicate, deviations and weights
-_OTHER_COLUMNS = 8
-_MAPS_OF_JOINT = 8  # room for depths, wear and angles of both sides
-_WALL_ARRAYS = 5  # rows of bins of a guide: places, depths and wear of both walls
-
-
-def most_film_bytes(linkage: Linkage) -> int:
-    """Return the largest size of a film, bytes."""
-    columns = 1 + 3 * len(linkage.bodies) + FILM_JOINT_COUNT * len(linkage.clearances)
-    frames = FILM_CYCLES * FRAMES_PER_CYCLE + 1
-    return _HEADER_BYTES + _BYTES * frames * columns
-
-
-def most_stage_bytes(scene: Scene, linkage: Linkage, stage: StageResult) -> int:
-    """Return the largest size of the arrays of a stage, bytes."""
-    joints = len(linkage.clearances)
-    drives = len(linkage.drives)
-    default = max(Plan.recorded_cycles, STARTUP_CYCLES + RANGE_STROKES)
-    recorded = scene.recording.recorded_cycles or default
-    run_up_cycles = math.ceil(scene.run_up / scene.mechanism.period)
-    rows = min((recorded + run_up_cycles) * ROWS_AT_MOST, ROWS_IN_ALL)
-    contacts = joints * recorded * CONTACTS_AT_MOST * len(CONTACT_COLUMNS)
-    # There are two sets of replicates. Each replicate of the second has its surfaces.
-    cycles = 2 * (stage.statistics.cycles + scene.replicate_count * (recorded + 1))
-    bins = max((joint.bins for joint in linkage.clearances), default=0)
-    width = _cycle_columns_of(linkage)
-    width += scene.recording.sections * _section_columns_of(linkage)
-    # Each cycle may have a wear map.
-    width += _OTHER_COLUMNS + joints * (1 + len(SIDES) * bins)
-    walls = _WALL_ARRAYS * WALL_BINS * len(linkage.worn_guides)
-    series = SERIES_COUNT + JOINT_SERIES_COUNT * joints
-    series += LEADER_SERIES_COUNT + len(linkage.elastic_joints) + 3 * drives
-    maps = _MAPS_OF_JOINT * joints * bins + walls
-    numbers = rows * series + contacts + cycles * width + maps
-    return _HEADER_BYTES + _BYTES * numbers
-
-
-def _cycle_columns_of(linkage: Linkage) -> int:
-    """Return the number of columns of the array of cycles."""
-    return cycle_columns(
-        len(linkage.clearances),
-        len(linkage.drives),
-        linkage.leader is not None,
-        len(linkage.oiled_joints),
-    )
-
-
-def _section_columns_of(linkage: Linkage) -> int:
-    """Return the number of columns of a Poincare section."""
-    return 2 + len(SECTION_JOINT_NAMES) * len(linkage.clearances)
+# Largest arrays of a stage: 4 million rows of the series with 8 joints have 2.2 GB
+MAX_BYTES = 4_000_000_000
 
 
 # Shape of an array. Lengths with the same name are equal.
@@ -111,7 +53,13 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
 def _shapes_of_stage(scene: Scene, linkage: Linkage) -> dict[str, Shape]:
     """Return the shapes of the arrays of a stage that are not of one joint, by name."""
     drives = len(linkage.drives)
-    sections = scene.recording.sections
+    section_columns = 2 + len(SECTION_JOINT_NAMES) * len(linkage.clearances)
+    cycle_column_count = cycle_columns(
+        len(linkage.clearances),
+        drives,
+        linkage.leader is not None,
+        len(linkage.oiled_joints),
+    )
     return {
         "time": ("time",),
         "clock": ("time",),
@@ -122,9 +70,9 @@ def _shapes_of_stage(scene: Scene, linkage: Linkage) -> dict[str, Shape]:
         "drive_speed": ("time", drives),
         "stretch": ("time", len(linkage.elastic_guides)),
         "pin_stretch": ("time", len(linkage.elastic_pins)),
-        "cycles": ("cycles", _cycle_columns_of(linkage)),
+        "cycles": ("cycles", cycle_column_count),
         "cycle_start": ("cycles",),
-        "sections": ("sections", sections, _section_columns_of(linkage)),
+        "sections": ("sections", scene.recording.sections, section_columns),
         "deviation": ("deviation", 4),
         "deviation_start": ("deviation",),
         "wear_batch_cycles": ("wear_batch_cycles",),
