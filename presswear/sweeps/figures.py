@@ -38,10 +38,10 @@ def drawings(analysis: Analysis) -> list[Drawing]:
     drawn += curves(points)
     order = range(len(points.parameters)) if result is None else result.order
     numbers = [k for k in order if not points.parameters[k].choices]
-    first, *rest = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0] or [0]
-    return drawn + (
-        heat_map(points, (first, rest[0]), analysis.surrogate) if rest else []
-    )
+    varied = [k for k in numbers if np.ptp(points.points[:, k]) > 0.0]
+    if len(varied) > 1:
+        drawn += heat_map(points, (varied[0], varied[1]), analysis.surrogate)
+    return drawn
 
 
 def _axis(
@@ -55,9 +55,10 @@ def _axis(
         axis.set_ticks(range(len(column.choices)), column.choices)
         return shown
     if is_logarithmic(values):
-        (axes.set_xscale if side == "x" else axes.set_yscale)("log")
+        axes.set(**{f"{side}scale": "log"})
         axis.set_minor_formatter(NullFormatter())
-    if len(levels := np.unique(values)) <= MAX_TICKS:
+    levels = np.unique(values)
+    if len(levels) <= MAX_TICKS:
         axis.set_ticks(shown.factor * levels, [shown.number(value) for value in levels])
     return shown
 
@@ -142,6 +143,12 @@ def curves(points: Points) -> list[Drawing]:
     )
 
 
+def _even_values(values: Array) -> Array:
+    """Return CELLS values over the range of some values, evenly spaced on their axis."""
+    space = np.geomspace if is_logarithmic(values) else np.linspace
+    return space(values.min(), values.max(), CELLS)
+
+
 def heat_map(
     points: Points, pair: tuple[int, int], surrogate: Surrogate | None
 ) -> list[Drawing]:
@@ -154,24 +161,25 @@ def heat_map(
     means = shown.factor * points.means
     norm = Normalize(float(np.nanmin(means)), float(np.nanmax(means)))
     if surrogate is not None:
-        x, y = (
-            (np.geomspace if is_logarithmic(values) else np.linspace)(
-                values.min(), values.max(), CELLS
-            )
-            for values in (across, up)
-        )
+        x = _even_values(across)
+        y = _even_values(up)
         grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
         for k, values in zip(pair, np.meshgrid(x, y), strict=True):
             grid[:, k] = values.ravel()
         level = shown.factor * surrogate.predict(grid).reshape(CELLS, CELLS)
-        x, y = x_axis.factor * x, y_axis.factor * y
         axes.pcolormesh(
-            x, y, level, norm=norm, cmap=COLOURS, shading="gouraud", rasterized=True
+            x_axis.factor * x,
+            y_axis.factor * y,
+            level,
+            norm=norm,
+            cmap=COLOURS,
+            shading="gouraud",
+            rasterized=True,
         )
     x = x_axis.factor * across
     y = y_axis.factor * up
-    for marker, rows in (("o", ~points.censored), ("^", points.censored)):
-        rows = rows & points.has_value
+    for marker, is_bound in (("o", False), ("^", True)):
+        rows = points.has_value & (points.censored == is_bound)
         axes.scatter(
             x[rows],
             y[rows],
@@ -181,9 +189,8 @@ def heat_map(
             cmap=COLOURS,
             edgecolors="white",
         )
-    axes.scatter(
-        x[~points.has_value], y[~points.has_value], color=style.REFERENCE, marker="x"
-    )
+    missing = ~points.has_value
+    axes.scatter(x[missing], y[missing], color=style.REFERENCE, marker="x")
     axes.grid(visible=False)
     sheet.colorbar(ScalarMappable(norm, COLOURS), ax=axes, label=shown.label)
     names = [points.parameters[k].key for k in pair]

@@ -58,14 +58,20 @@ class Effect:
     is_better: bool
 
     @property
-    def verdict(self) -> str:
-        """Verdict on the change, by the interval of its factor."""
+    def interval(self) -> tuple[float, float] | None:
+        """Ends of the interval of the factor; None: unknown."""
         low = self.factor.low
         high = self.factor.high
+        return None if low is None or high is None else (low, high)
+
+    @property
+    def verdict(self) -> str:
+        """Verdict on the change, by the interval of its factor."""
         if self.is_better:
             return "certain improvement"
-        if low is None or high is None:
+        if self.interval is None:
             return "not certain"
+        low, high = self.interval
         if low > 1.0 + MIN_EFFECT or high < 1.0 - MIN_EFFECT:
             return "certainly worse"
         if low > 1.0 - MIN_EFFECT and high < 1.0 + MIN_EFFECT:
@@ -73,11 +79,10 @@ class Effect:
         return "not certain"
 
     def __str__(self) -> str:
-        low = self.factor.low
-        high = self.factor.high
         text = f"{self.change}: {self.factor.mean:.2f}"
-        if low is None or high is None:
+        if self.interval is None:
             return text
+        low, high = self.interval
         return f"{text} ({low:.2f} to {high:.2f})"
 
 
@@ -131,16 +136,11 @@ class Improvement:
 def _draw_factors(axes: Axes, effects: list[Effect]) -> None:
     """Draw the factor of each change as a bar from 1, with its interval."""
     rows = range(len(effects))
-    colours = [
-        CERTAIN_COLOUR if effect.is_better else style.MUTED for effect in effects
-    ]
-    widths = [effect.factor.mean - 1.0 for effect in effects]
-    axes.barh(rows, widths, left=1.0, color=colours)
     for row, effect in enumerate(effects):
-        low = effect.factor.low
-        high = effect.factor.high
-        if low is not None and high is not None:
-            axes.plot([low, high], [row, row], color="black")
+        colour = CERTAIN_COLOUR if effect.is_better else style.MUTED
+        axes.barh(row, effect.factor.mean - 1.0, left=1.0, color=colour)
+        if effect.interval:
+            axes.plot(effect.interval, [row, row], color="black")
     left, right = axes.get_xlim()
     axes.set_xlim(min(left, 1.0 - LEAST_RANGE), max(right, 1.0 + LEAST_RANGE))
     axes.axvline(1.0, color=style.REFERENCE, linestyle="dotted")
@@ -190,7 +190,7 @@ def improve(
     scene: Scene,
     folder: Path,
     jobs: int | None = None,
-    on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
+    on_progress: Callable[[str, float, str], object] = lambda name, share, words: None,
 ) -> Improvement:
     """Run a mechanism unchanged and with each change, and return the effects of the changes.
 
@@ -232,7 +232,8 @@ def improve(
     present = _quantities(unchanged)
     texts = {}
     for key, value in present.items():
-        if text := _text_of(key, value.mean):
+        text = _text_of(key, value.mean)
+        if text:
             texts[key] = f"{text} after {large(strokes)} strokes"
     return Improvement(_effects(present, quantities), failures, texts)
 
@@ -246,15 +247,10 @@ def _effects(
         for key in effects.keys() & values.keys():
             effects[key].append(_effect(change, key, values[key], present[key]))
     for key in effects:
-        effects[key].sort(key=_rank, reverse=key == LIFE)
+        effects[key].sort(key=lambda effect: effect.factor.mean, reverse=key == LIFE)
         # Factors without an interval are the last.
         effects[key].sort(key=lambda effect: effect.factor.low is None)
     return effects
-
-
-def _rank(effect: Effect) -> float:
-    """Return the factor of an effect, by which effects are sorted."""
-    return effect.factor.mean
 
 
 def _text_of(key: str, value: float) -> str:
@@ -320,10 +316,8 @@ def _effect(change: str, key: str, value: Estimate, present: Estimate) -> Effect
     """Return the factor by which a change multiplies a quantity, and if that is an improvement."""
     if key == LIFE:  # inversely proportional to the depth of a stroke
         factor = ratio(present, value)
-        lowest = factor.low
-        is_longer = lowest is not None and lowest > 1.0 + MIN_EFFECT
-        return Effect(change, factor, is_longer)
-    factor = ratio(value, present)
-    highest = factor.high
-    is_smaller = highest is not None and highest < 1.0 - MIN_EFFECT
-    return Effect(change, factor, is_smaller)
+        is_better = factor.low is not None and factor.low > 1.0 + MIN_EFFECT
+    else:
+        factor = ratio(value, present)
+        is_better = factor.high is not None and factor.high < 1.0 - MIN_EFFECT
+    return Effect(change, factor, is_better)

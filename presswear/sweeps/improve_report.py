@@ -44,8 +44,11 @@ def _section(heading: str, effects: list[Effect], folder: Path) -> Section:
     """Return the section of a quantity, with the command that compares the first change."""
     rows = []
     for effect in effects:
+        interval = NOTHING
+        if effect.interval:
+            interval = " to ".join(map(readable, effect.interval))
         factor = readable(effect.factor.mean)
-        rows.append((effect.change, factor, _interval(effect), effect.verdict))
+        rows.append((effect.change, factor, interval, effect.verdict))
     table = plain_table(_HEAD, rows, numeric=False)
     notes = []
     if effects:
@@ -54,11 +57,3 @@ def _section(heading: str, effects: list[Effect], folder: Path) -> Section:
         command = f"presswear report {plain} {changed}"
         notes.append(f"Side by side with the first change: {command}")
     return Section(_capitalized(heading), tables=[("", table)], notes=notes)
-
-
-def _interval(effect: Effect) -> str:
-    low = effect.factor.low
-    high = effect.factor.high
-    if low is None or high is None:
-        return NOTHING
-    return f"{readable(low)} to {readable(high)}"

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 from presswear.recording.columns import CYCLE, FILM_CYCLE, JOINT_CYCLE, with_mean
 from presswear.recording.columns import Column as CycleColumn
-from presswear.recording.statistics import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import motor_loads
@@ -23,7 +23,7 @@ from presswear.scene.options import LIFE_QUANTITIES
 from presswear.scene.scene import Scene
 from presswear.sweeps import response_readers as read
 from presswear.sweeps.parameters import Column
-from presswear.sweeps.response_readers import Response
+from presswear.sweeps.response_readers import Place, Reader, Response
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
 
@@ -37,17 +37,12 @@ Needed = Literal[
 
 
 class Definition(NamedTuple):
-    """Definition of a response.
-
-    The function gets a result, a stage and a joint. The stage and the joint are None for
-    a response of the whole result, the joint is None for a response of a stage. The
-    function returns None if the result has no such number.
-    """
+    """Definition of a response."""
 
     unit: str
     text: str
-    scope: Literal["joint", "stage", "result"]
-    function: Callable[[Result, Any, Any], Response | None]
+    read: Reader  # returns None if the result has no such number
+    scope: Literal["joint", "stage", "result"] = "stage"
     optional: bool = False  # computed only if requested, because it takes long
     in_table: bool = True  # reported without a request, too
     needs: Needed = ""  # what a scene, or a joint, must have
@@ -63,8 +58,8 @@ def _means(
         column.name: Definition(
             column.unit.removeprefix("1"),
             f"{column.mean_label}, mean over cycles",
-            scope,
             read.mean_of(column.name),
+            scope,
             in_table=False,
             needs=needs,
         )
@@ -79,124 +74,109 @@ def _meaning(name: str) -> tuple[str, str]:
 
 RESPONSES = {
     "force_max": Definition(
-        *_meaning("force_max"), "joint", read.at_path("stored.peak_force_per_cycle")
+        *_meaning("force_max"), read.at_path("stored.peak_force_per_cycle"), "joint"
     ),
-    "depth": Definition(*_meaning("depth"), "joint", read.depth),
-    "wear_volume": Definition(*_meaning("wear_volume"), "joint", read.worn_volume_of),
+    "depth": Definition(*_meaning("depth"), read.depth, "joint"),
+    "wear_volume": Definition(*_meaning("wear_volume"), read.worn_volume_of, "joint"),
     "wear_rate": Definition(
-        "m^3", "volume that bearing and pin lose in a stroke", "joint", read.wear_rate
+        "m^3", "volume that bearing and pin lose in a stroke", read.wear_rate, "joint"
     ),
     "contacts": Definition(
-        "", "contacts in a cycle", "joint", read.at_path("stored.contacts_per_cycle")
+        "", "contacts in a cycle", read.at_path("stored.contacts_per_cycle"), "joint"
     ),
     # With its sign, in contrast to the limits of a life
     "bdc_error": Definition(
         "m",
         "error of the height of bottom dead centre, mean; negative is deeper",
-        "stage",
         read.at_path("statistics.bdc.error"),
     ),
     "bdc_drift": Definition(
         "m",
         "change of the mean height of bottom dead centre; negative is deeper",
-        "stage",
         read.bdc_drift,
     ),
     "repeatability": Definition(
         *_meaning("repeatability"),
-        "stage",
         read.at_path("statistics.bdc.standard_deviation"),
     ),
     "total_clearance": Definition(
-        *_meaning("total_clearance"), "stage", read.clearance, optional=True
+        *_meaning("total_clearance"), read.clearance, optional=True
     ),
     "drive_work": Definition(
         "J",
         "work of all drives in a cycle, less the change of stored energy",
-        "stage",
         read.at_path("statistics.drive_work_per_cycle"),
     ),
     "strokes_per_minute": Definition(
         "",
         "strokes a minute that the motor reaches",
-        "stage",
-        read.of_speed("stroke_rate", 60.0),
+        read.stroke_rate,
         needs="motor",
     ),
     "speed_drop": Definition(
         "",
         "drop of the motor's speed by the work, part of the speed",
-        "stage",
-        read.of_speed("drop"),
+        read.speed_drop,
         needs="motor",
     ),
     "motor_rms": Definition(
         "",
         "rms over rated torque of the motor, the greatest",
-        "stage",
         read.greatest_of(motor_loads, "rms_fraction"),
         needs="motor",
     ),
     "slip_loss": Definition(
         "J",
         "slip loss of the motor in a cycle, the greatest",
-        "stage",
         read.greatest_of(motor_loads, "slip_loss"),
         needs="motor",
     ),
     "frame_stretch": Definition(
         "m",
         "stretch of the frame at its greatest force in the work",
-        "stage",
         read.greatest_of(frame_loads, "stretch"),
         needs="elastic frame",
     ),
     "reverse_force": Definition(
         "",
         "reverse force of the frame over its greatest force",
-        "stage",
         read.greatest_of(frame_loads, "reverse_fraction"),
         needs="elastic frame",
     ),
     "slide_tilt": Definition(
         "",
         "tilt of the slide, rad: at the fracture, else at the touch, else at the bottom",
-        "stage",
         read.greatest_of(guide_tilts, "working"),
         needs="guide with clearance",
     ),
     "slide_tilt_max": Definition(
         "",
         "greatest tilt of the slide in a stroke, rad",
-        "stage",
         read.greatest_of(guide_tilts, "greatest"),
         needs="guide with clearance",
     ),
     "corner_force": Definition(
         "N",
         "greatest normal force of a corner of the slide in a cycle",
-        "stage",
         read.greatest_of(guide_tilts, "corner_force"),
         needs="guide with clearance",
     ),
     "wall_wear": Definition(
         "m",
         "depth that a stroke wears off the deepest place of a wall",
-        "stage",
         read.wall_wear,
         needs="guide with clearance",
     ),
     "settled": Definition(
         "",
         "share of the runs that came to rest on a regular motion",
-        "stage",
         read.settled_share,
     ),
     "life": Definition(
         "",
         "strokes until the first limit is exceeded",
-        "result",
         read.service_life,
+        "result",
         needs="life",
     ),
     **_means("joint", JOINT_CYCLE),
@@ -345,28 +325,32 @@ def responses_of(result: Result, requested: Requested) -> dict[str, Response]:
 
     Each response of a stage has a key NAME@STAGE. The last stage also has the key NAME.
     """
-    values: dict[str, Response | None] = {}
-    joints_of = {}
-    for stage in result.stages:
-        all_joints = stage.joints
-        joints_of[stage.index] = [all_joints[pin] for pin in result.scene.loose_pins]
+    values: dict[str, Estimate | Response | None] = {}
+    stages = [(stage, stage.joints) for stage in result.stages]
     for name, response in RESPONSES.items():
         if response.scope == "result":
-            values[name] = response.function(result, None, None)
+            values[name] = response.read(Place(result))
             continue
         if response.optional and name not in requested.optional:
             continue
-        for stage in result.stages:
-            joints = joints_of[stage.index] if response.scope == "joint" else [None]
-            for joint in joints:
-                key = f"{joint.name}.{name}" if joint else name
-                value = response.function(result, stage, joint)
-                values[f"{key}@{stage.index}"] = value
+        for stage, joints in stages:
+            if response.scope == "stage":
+                values[f"{name}@{stage.index}"] = response.read(Place(result, stage))
+                continue
+            for pin in result.scene.loose_pins:
+                place = Place(result, stage, joints[pin])
+                values[f"{pin}.{name}@{stage.index}"] = response.read(place)
     last = f"@{result.stages[-1].index}"
-    for key, value in list(values.items()):
-        if key.endswith(last):
-            values[key.removesuffix(last)] = value
-    return {key: value for key, value in values.items() if value is not None}
+    of_last = {key: value for key, value in values.items() if key.endswith(last)}
+    for key, value in of_last.items():
+        values[key.removesuffix(last)] = value
+    responses = {}
+    for key, value in values.items():
+        if isinstance(value, Estimate):
+            responses[key] = Response(value.mean, value.half_width)
+        elif value is not None:
+            responses[key] = value
+    return responses
 
 
 def user_responses(result: Result, functions: Sequence[User]) -> dict[str, Response]:
