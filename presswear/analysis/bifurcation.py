@@ -103,10 +103,8 @@ class Parameter:
         for value in (values[0], values[-1]):
             # Raises if the scene does not allow the value.
             changed(scene, {key: value}).check()
-        units = [
-            part.strip() for part in re.split("[:,]", _NUMBER.sub("", values_text))
-        ]
-        shown = next(filter(None, reversed(units)), "")
+        units = re.split("[:,]", _NUMBER.sub("", values_text))
+        shown = next(filter(None, map(str.strip, reversed(units))), "")
         return Parameter(key, tuple(values), meaning.unit, shown)
 
 
@@ -289,10 +287,10 @@ class Diagram:
         They are the parameter, ``is_decreasing``, ``cycle``, ``period``, ``exponent`` and
         ``exponent_half_width``, and the ``quantities``, with ``_`` in place of the dot; SI.
         """
-        parts = [self._columns(direction) for direction in self.branches]
+        branches = [self._columns(direction) for direction in self.branches]
         table = {}
-        for name in parts[0] if parts else ():
-            values = np.concatenate([part[name] for part in parts])
+        for name in branches[0] if branches else ():
+            values = np.concatenate([columns[name] for columns in branches])
             table[name.replace(".", "_")] = values
         return table
 
@@ -302,10 +300,7 @@ class Diagram:
         branch = self.branches[direction]
         periods = []
         for motion in self.periods(direction):
-            if motion is None:
-                periods.append(math.nan)
-            else:
-                periods.append(float(motion.period or 0))
+            periods.append(float(motion.period or 0) if motion else math.nan)
         by_value = {
             self.parameter.key: branch.value,
             "is_decreasing": np.full(len(branch), float(direction == "down")),
@@ -322,12 +317,9 @@ class Diagram:
 
     def units(self) -> dict[str, str]:
         """Return the units of the columns of ``table``."""
-        units = {
-            self.parameter.key: self.parameter.unit,
-            "is_decreasing": "1",
-            "cycle": "1",
-        }
-        units |= {"period": "1", "exponent": "1/s", "exponent_half_width": "1/s"}
+        units = {self.parameter.key: self.parameter.unit}
+        units |= dict.fromkeys(("is_decreasing", "cycle", "period"), "1")
+        units |= dict.fromkeys(("exponent", "exponent_half_width"), "1/s")
         units |= {name: column.unit for name, column in self.quantities.items()}
         return {name.replace(".", "_"): unit for name, unit in units.items()}
 
@@ -355,7 +347,8 @@ class Diagram:
                 sentence += (
                     f"; the confidence interval of the exponent is above 0 at {chaotic}"
                 )
-            if failed := periods.count(None):
+            failed = periods.count(None)
+            if failed:
                 sentence += f"; {failed} runs failed"
             sentences.append(f"{sentence}.")
         return sentences

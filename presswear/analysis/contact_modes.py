@@ -63,7 +63,8 @@ class Timeline:
 
         A mode that lasts over several bins is divided exactly at their edges.
         """
-        start, end = self.edges[0], self.edges[-1]
+        start = self.edges[0]
+        end = self.edges[-1]
         first = np.floor(start * bins / period)
         last = np.ceil(end * bins / period)
         bin_edges = period / bins * np.arange(first, last + 1)

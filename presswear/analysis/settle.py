@@ -81,17 +81,18 @@ def run_start(
     report: Report,
 ) -> NDArray[Any]:
     """Return the row of one start, a record with the fields of ``_row``."""
-    linkage = scene.linkage()
+    joints = scene.linkage().clearances
     plan = Plan(
         scene.mechanism.period,
         cycles,
         1,
         torques=False,
-        observers=(_UntilSettled(linkage.clearances),),
+        observers=(_UntilSettled(joints),),
         report=lambda share, recorder: report(share),
     )
+    linkage = scene.linkage()
     run = ENGINE.simulate(linkage, starts.start(index, linkage, ideal), plan)
-    row = _row(len(linkage.clearances), len(ideal.position))
+    row = _row(len(joints), len(ideal.position))
     row["eccentricity"] = starts.eccentricity[index]
     row["velocity"] = starts.velocity[index]
     row["index"] = index
@@ -99,13 +100,13 @@ def run_start(
     if run.status == "failed":
         row["settled"] = FAILED
         return row
-    signatures = signatures_of(linkage.clearances, run.recorder.cycles)
+    signatures = signatures_of(joints, run.recorder.cycles)
     motion = settled_motion(signatures)
     row["end"] = run.end.position, run.end.velocity
-    joints = range(len(linkage.clearances))
-    force = np.array([run.recorder.each_cycle("force_max", k) for k in joints])
-    contacts = np.array([run.recorder.each_cycle("contacts", k) for k in joints])
-    first = STARTUP_CYCLES if motion is None else motion.start + STARTUP_CYCLES
+    numbers = range(len(joints))
+    force = np.array([run.recorder.each_cycle("force_max", k) for k in numbers])
+    contacts = np.array([run.recorder.each_cycle("contacts", k) for k in numbers])
+    first = STARTUP_CYCLES + (motion.start if motion else 0)
     row["peak_force"] = force[:, first:].mean(axis=1)
     row["contacts"] = contacts[:, first:].mean(axis=1)
     if motion is not None:
@@ -170,7 +171,8 @@ class _Folder:
         if (folder / KICKS).exists():
             document = read_json(folder / KICKS, f"{folder} has no {KICKS}", SCHEMA)
             motions = typed(document["motions"], list[_Kicked], f"{folder / KICKS}")
-            self.kicks = {(item.value, item.start): item.kicks for item in motions}
+            for motion in motions:
+                self.kicks[motion.value, motion.start] = motion.kicks
 
     def add_row(self, value: int, row: NDArray[Any]) -> None:
         """Store a finished run."""

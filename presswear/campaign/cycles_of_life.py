@@ -126,17 +126,23 @@ def time_per_cycle(problem: LifeProblem, refinements: Refinements) -> float:
 
 def relative_time(problem: LifeProblem, refinements: Refinements) -> float:
     """Return the expected time of a later cycle over the mean time of the cycles so far."""
-    if sum(map(len, (each.blocks for each in refinements))) < MIN_TIMED_BLOCKS:
+    if sum(len(refinement.blocks) for refinement in refinements) < MIN_TIMED_BLOCKS:
         return 1.0
     return time_per_cycle(problem, refinements) / _mean_time(refinements)
 
 
 def _mean_time(refinements: Refinements) -> float:
     """Return the mean time of the cycles of each history, s, with those of the start-up."""
-    blocks = [block for each in refinements for block in each.blocks if block.cycles]
-    started = sum(bool(each.blocks) for each in refinements)
-    cycles = sum(block.cycles for block in blocks) + STARTUP_CYCLES * started
-    return sum(block.wall_s for block in blocks) / cycles
+    cycles = 0
+    seconds = 0.0
+    for refinement in refinements:
+        if refinement.blocks:
+            cycles += STARTUP_CYCLES
+        for block in refinement.blocks:
+            if block.cycles:
+                cycles += block.cycles
+                seconds += block.wall_s
+    return seconds / cycles
 
 
 def _expected_sampling(
@@ -176,15 +182,15 @@ def _left_in_last(
     blocks = last.blocks
     limits = problem.limits
     remaining = []  # expected cycles up to each limit
-    whole = float(MIN_CYCLES)  # expected cycles of the refinement
+    expected = float(MIN_CYCLES)  # cycles of the refinement
     if coarser:
         before = coarser[-1]
         life = before.crossing(limits)
         finished = finished_cycles(coarser, limits)
         sampling = estimate_life(coarser, limits).sampling
-        whole = next_cycles(problem, sampling, finished)
+        expected = next_cycles(problem, sampling, finished)
     if not blocks:
-        return whole
+        return expected
     strokes = blocks[-1].strokes
     first = blocks[0]
     for limit in limits:
@@ -198,8 +204,8 @@ def _left_in_last(
                 remaining.append(float(limit.value - values[-1]) / per_cycle)
         elif coarser and before.crossing([limit]) == life:
             completed_share = before.cycles_until(strokes) / max(finished[-1], 1.0)
-            remaining.append((1.0 + MARGIN) * whole * (1.0 - completed_share))
+            remaining.append((1.0 + MARGIN) * expected * (1.0 - completed_share))
     if completed and strokes > blocks[-2].strokes:
         strokes_per_cycle = (strokes - blocks[-2].strokes) / blocks[-1].cycles
         remaining.append((problem.at_most - strokes) / strokes_per_cycle)
-    return max(min(remaining, default=whole - completed), 0.0)
+    return max(min(remaining, default=expected - completed), 0.0)

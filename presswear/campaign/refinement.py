@@ -130,11 +130,10 @@ class Refinement:
     def _pseudo_values(self, value: Callable[[Chosen], Array | float]) -> Array:
         """Return the pseudo-values of the jackknife over the histories."""
         n = self.histories
-        without_one = []
+        without_history = []
         for k in range(n):
-            others = np.delete(np.arange(n), k)
-            without_one.append(value(others))
-        return n * np.asarray(value(EVERY)) - (n - 1) * np.array(without_one)
+            without_history.append(value(np.delete(np.arange(n), k)))
+        return n * np.asarray(value(EVERY)) - (n - 1) * np.array(without_history)
 
     def logarithms(self, limits: Sequence[Limit]) -> Array:
         """Return the pseudo-values of the logarithm of the strokes at the first crossing.
@@ -195,12 +194,12 @@ def _best_order(depths: Array, rows: Array, weights: Array) -> int:
     (blocks, 1).
     """
     # Mean of all histories but one, for each history
-    others = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
+    means = (rows.sum(axis=1, keepdims=True) - rows) / max(rows.shape[1] - 1, 1)
     highest = max(min(MAX_ORDER, depths.size // 2 - 1), 0)
     errors = []
     for order in range(highest + 1):
         base = np.vander(depths, order + 1) * weights
-        coefficients = np.linalg.lstsq(base, others * weights, rcond=None)[0]
+        coefficients = np.linalg.lstsq(base, means * weights, rcond=None)[0]
         difference = base @ coefficients - rows * weights
         errors.append(float((difference**2).sum()))
     return int(np.argmin(errors))

@@ -289,11 +289,10 @@ class WorkUnit:
         An interrupt raises ``Stopped`` with the state after the last finished cycle.
         """
         running = _RunningPart(self)
-
         plan = replace(
             self.spec.plan(self.scene),
             observers=(running, *self.observers),
-            report=lambda part, recorder: report(part * self.spec.cycles),
+            report=lambda share, recorder: report(share * self.spec.cycles),
             resume=running.arrays,
         )
         start = start_of(self.scene, self.part.replicate)
@@ -412,8 +411,8 @@ class StepCheck:
 
         def refine(piece: int, state: Callable[[], State]) -> None:
             if first <= piece < last and (piece - first) % PIECE_STRIDE == 0:
-                again = replace(plan, cycles=piece + 1, resume=state())
-                repeated = simulate_finer(linkage, start, again)
+                piece_plan = replace(plan, cycles=piece + 1, resume=state())
+                repeated = simulate_finer(linkage, start, piece_plan)
                 fine[piece] = _values_of(repeated.recorder, piece)
 
         run = engine.simulate(

@@ -91,10 +91,8 @@ def run_scenes(
     folder: str | Path,
     engine: str | Engine | None = None,
     jobs: int | None = None,
-    on_progress: Callable[[str, float, str], object] = lambda name, part, words: None,
-    on_life_start: Callable[
-        [str, float, float], object
-    ] = lambda name, cycles, seconds: None,
+    on_progress: Callable[[str, float, str], object] = lambda name, share, words: None,
+    on_life_start: Callable[[str, float, float], object] = lambda name, cycles, s: None,
 ) -> dict[str, Result]:
     """Run named scenes, several at a time, each into the sub-folder of its name.
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswear.campaign.cycle_means import CycleMeans
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.limited_wear import limited_wear
 from presswear.campaign.replicates import RunSpec
@@ -34,10 +35,10 @@ from presswear.physics.running_in import (
     worn_off,
 )
 from presswear.physics.wear import map_shape, worn_volume
+from presswear.recording.columns import cycle_column
 from presswear.recording.settling import Settling
 from presswear.recording.statistics import (
     STARTUP_CYCLES,
-    after_startup,
     half_width,
     smoothed,
     smoothed_mean,
@@ -112,10 +113,10 @@ def _material_loss(share: float, extra: Array | float, added_depth: Array) -> Ar
     if np.ndim(extra) == 0:
         return wanted
     material_loss = np.maximum(wanted, 0.0)
-    whole = material_loss.sum(axis=-1, keepdims=True)
+    total = material_loss.sum(axis=-1, keepdims=True)
     remaining = np.maximum(wanted.sum(axis=-1, keepdims=True), 0.0)
     return material_loss * np.divide(
-        remaining, whole, out=np.ones_like(whole), where=whole > 0.0
+        remaining, total, out=np.ones_like(total), where=total > 0.0
     )
 
 
@@ -129,23 +130,20 @@ def jump(ensemble: Ensemble, cycles_per_update: float) -> WearUpdate:
     if ensemble.replicates > 1:
         before = np.concatenate([before, alone.depth])
         per_cycle = np.concatenate([per_cycle, alone.added_by_run()])
-    recorders = together.recorders
     joints = ensemble.linkage.clearances
     laws = depth_laws_of(joints)
     added_depth = worn_off(laws, before, cycles_per_update * per_cycle)
     depth = before + added_depth
     cycles = sum(maps.samples for maps in together.maps)
-    peaks = np.zeros((len(recorders), len(joints)))
-    for i, run in enumerate(recorders):
-        for k in range(len(joints)):
-            peaks[i, k] = after_startup(run.each_cycle("force_max", k)).max()
+    means = CycleMeans(together.recorders)
+    peaks = [means.largest("force_max", k) for k in range(len(joints))]
     step = WearStep(
         cycles_per_update=cycles_per_update,
         cycles=cycles,
-        factor=cycles_per_update * len(recorders) / cycles,
+        factor=cycles_per_update * ensemble.replicates / cycles,
         clearance_change=largest_change(joints, added_depth[0]),
         max_depth=by_side(joints, depth[0].max(axis=2)),
-        peak_force=by_joint(joints, np.max(peaks, axis=0)),
+        peak_force=by_joint(joints, peaks),
         wall_s=ensemble.state.wall,
     )
     return WearUpdate(depth, added_depth, (step,))
@@ -165,7 +163,8 @@ def cycles_of_update(scene: Scene, ensemble: Ensemble) -> float:
     if scene.is_quick:
         reached = _largest_reached(scene, ensemble.linkage, added_depth)
         return max(0.5 / reached, 1.0) if reached > 0.0 else 1.0
-    if any(laws := depth_laws_of(joints)):
+    laws = depth_laws_of(joints)
+    if any(laws):
         depth = ensemble.depth.mean(axis=0)
         cycles = _cycles_to_change(laws, joints, depth, added_depth)
     else:
@@ -246,26 +245,23 @@ def _steps_of(
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
     change = (added_depth / clearance).max(axis=(0, 2, 3))
     deepest = depth.mean(axis=0)
-    forces = []  # largest of all replicates in each cycle, by joint
-    for k in range(len(joints)):
-        in_runs = [run.each_cycle("force_max", k) for run in recorders]
-        forces.append(np.max(in_runs, axis=0)[start_up:])
+    columns = [cycle_column("force_max", k) for k in range(len(joints))]
+    rows = [run.cycles[start_up:, columns] for run in recorders]
+    forces = np.max(rows, axis=0)  # of all replicates in each cycle, (cycles, joints)
     cycles = len(change)
     share = cycles_per_update / cycles
-    steps = []
-    for n in range(cycles):
-        steps.append(
-            WearStep(
-                cycles_per_update=share,
-                cycles=len(recorders),
-                factor=share,
-                clearance_change=float(change[n]),
-                max_depth=by_side(joints, deepest[n]),
-                peak_force=by_joint(joints, [force[n] for force in forces]),
-                wall_s=ensemble.state.wall / cycles,
-            )
+    return tuple(
+        WearStep(
+            cycles_per_update=share,
+            cycles=len(recorders),
+            factor=share,
+            clearance_change=float(change[n]),
+            max_depth=by_side(joints, deepest[n]),
+            peak_force=by_joint(joints, forces[n]),
+            wall_s=ensemble.state.wall / cycles,
         )
-    return tuple(steps)
+        for n in range(cycles)
+    )
 
 
 def by_joint(
@@ -327,9 +323,9 @@ def stage_spec(scene: Scene, index: int) -> RunSpec:
     # before it shows in the map. All allowed cycles therefore run, as in the paper.
     jumps = index < scene.wear_updates and not scene.wears_in_steps
     most = max(scene.max_cycles // scene.replicate_count, 1)
-    return RunSpec(
-        most, None if jumps or not scene.clearance_joints else scene.tolerance
-    )
+    if jumps or not scene.clearance_joints:
+        return RunSpec(most)
+    return RunSpec(most, scene.tolerance)
 
 
 def refinement_spec(
