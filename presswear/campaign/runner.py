@@ -24,7 +24,6 @@ from presswear.campaign.replicates import (
     RunSpec,
     RunState,
     WorkUnit,
-    linkage_on,
 )
 from presswear.campaign.settled_motions import settling_of
 from presswear.recording.columns import cycle_column
@@ -41,9 +40,7 @@ from presswear.tools.processes import Job, Workers
 
 _LOG = logging.getLogger(__name__)
 
-Shares = tuple[
-    float, float
-]  # completed share that never falls, and its latest estimate
+Shares = tuple[float, float]  # completed share that never falls, latest estimate
 
 # Samples of all replicates before a stage may end early: fewer may agree by chance
 FEWEST = 20
@@ -82,7 +79,9 @@ class Runner:
         self.life = self.shares if self.index is None else self.life
         self.index = index
         self.shares = (0.0, 0.0)
-        self.done = self.later = self.reported = 0.0
+        self.done = 0.0
+        self.later = 0.0
+        self.reported = 0.0
 
     def count_as(self, cost: float, later: float) -> None:
         """Count each completed cycle as ``cost`` cycles, and expect ``later`` further cycles."""
@@ -111,29 +110,28 @@ class Runner:
         self.done += ensemble.state.cycles / self.scene.replicate_count
         return ensemble
 
-    def report(self, part: float, whole: float, word: str) -> None:
-        """Report ``part`` of ``whole`` cycles of each replicate in the present ensemble.
+    def report(self, completed: float, total: float, word: str) -> None:
+        """Report the completed cycles of each replicate, of the total of the ensemble.
 
         Each cycle completes an equal part of the remaining progress, so that the progress
         never falls.
         """
-        done = self.done + part
-        left = whole - part + self.later
+        done = self.done + completed
+        left = total - completed + self.later
         step = max(done - self.reported, 0.0)
         self.reported = max(done, self.reported)
         shown = self.shares[0]
         if step > 0.0:
             shown = min(shown + (1.0 - shown) * step / (step + left), MAX_SHARE)
         self.shares = shown, done / (done + left)
-        whole, estimate = self.shares
+        of_campaign = list(self.shares)
         if self.index is not None:
             stages = self.scene.wear_updates + 1
-            index = self.index
-            whole, estimate = (
-                life + (1.0 - life) * (index + share) / stages
-                for life, share in zip(self.life, self.shares, strict=True)
-            )
-        progress = Progress(self.index or 0, shown, whole, word, estimate)
+            for k, (life, share) in enumerate(zip(self.life, self.shares, strict=True)):
+                of_campaign[k] = life + (1.0 - life) * (self.index + share) / stages
+        progress = Progress(
+            self.index or 0, shown, of_campaign[0], word, of_campaign[1]
+        )
         for observer in self.observers:
             observer.on_progress(progress)
 
@@ -151,26 +149,26 @@ class _Rounds:
 
     def __post_init__(self) -> None:
         self._started = clock.perf_counter() - self.state.wall
-        self._size = size = self.runner.scene.replicate_count
-        first = (self.spec.cycles,) * size
+        self._size = self.runner.scene.replicate_count
+        sets = len(self.depth) // self._size
+        until = (self.spec.cycles,) * self._size
+        before = 0.0
         if self.spec.tolerance is not None:
-            first = self._deal(STARTUP_CYCLES * size + max(FEWEST, MIN_SAMPLES * size))
-        sets = len(self.depth) // size
+            fewest = max(FEWEST, MIN_SAMPLES * self._size)
+            until = self._deal(STARTUP_CYCLES * self._size + fewest)
+            # As many as in the stage before, or the first round, is most often enough.
+            before = self.runner.before
         runs = self.state.runs or (None,) * len(self.depth)
-        until = self.state.until or first * sets
+        until = self.state.until or until * sets
         self.state = replace(self.state, runs=runs, until=until)
-        self._linkages = [
-            linkage_on(self.runner.scene, surfaces) for surfaces in self.depth
-        ]
-        self._done = [0.0 if run is None else float(run.cycles) for run in runs]
-        # As many as in the stage before, or the first round, is most often enough.
-        before = self.runner.before if self.spec.tolerance is not None else 0.0
+        self._done = [float(run.cycles if run else 0) for run in runs]
         self._needed = [max(float(max(until)), before)] * sets
 
     def _deal(self, total: int) -> tuple[int, ...]:
         """Return cycles for the runs of a set, with a total, as equal as possible."""
-        each = ((total + self._size - 1 - k) // self._size for k in range(self._size))
-        return tuple(min(cycles, self.spec.cycles) for cycles in each)
+        size = self._size
+        shares = [(total + size - 1 - k) // size for k in range(size)]
+        return tuple(min(cycles, self.spec.cycles) for cycles in shares)
 
     def _last(self) -> int:
         """Return the index of the last run that counts: the first that failed."""
@@ -196,7 +194,9 @@ class _Rounds:
         """Return the work units of runs that are not at the end of their round."""
         runner = self.runner
         last = self._last()
-        observers = tuple(item for item in runner.observers if item.observes_runs)
+        observers = [
+            observer for observer in runner.observers if observer.observes_runs
+        ]
         units: dict[int, Job] = {}
         for k in indices:
             if k > last or self._is_over(k):
@@ -204,9 +204,13 @@ class _Rounds:
             run = self.state.runs[k]
             arrays = None if run is None else run.arrays
             number = k + self._size * self.spec.number
-            part = Part(self.depth[k], number, self.state.until[k], arrays)
-            duration = runner.workers.job_duration
-            units[k] = WorkUnit(runner.scene, self.spec, part, duration, observers)
+            units[k] = WorkUnit(
+                runner.scene,
+                self.spec,
+                Part(self.depth[k], number, self.state.until[k], arrays),
+                runner.workers.job_duration,
+                tuple(observers),
+            )
         return units
 
     def on_end(self, key: int, outcome: Any) -> dict[int, Job | None]:
@@ -278,24 +282,21 @@ class _Rounds:
         is_worn = self.depth[members.start].any()
         step_time = solver.worn_step_time if is_worn else solver.step_time
         seconds = step_time * steps / cycles
-        watched = self._size * min(
-            WATCHED_CYCLES, int(WATCHED_SECONDS / (seconds * self._size))
-        )
+        affordable = int(WATCHED_SECONDS / (seconds * self._size))
+        watched = self._size * min(WATCHED_CYCLES, affordable)
         if cycles < watched:
             return watched - cycles
-        settling = settling_of(self._linkages[members.start].clearances, rows)
-        return cycles if settling and settling.verdict == "mixed" else 0
+        settling = settling_of(self.runner.scene.linkage().clearances, rows)
+        is_mixed = settling is not None and settling.verdict == "mixed"
+        return cycles if is_mixed else 0
 
     def on_report(self, index: int, done: float, *_: Any) -> None:
         """Report the progress of the runs."""
         is_compiling = math.isnan(done)
-        size = self._size
         if index != STEP_CHECK and not is_compiling:
             self._done[index] = done
-        needed = np.repeat(self._needed, size)
+        needed = np.repeat(self._needed, self._size)
         cycle = f"cycle {int(min(self._done))} of {math.ceil(max(self._needed))}"
-        word = self.spec.label or cycle
-        part = float(sum(np.minimum(self._done, needed))) / size
-        whole = float(sum(needed)) / size
-        word = COMPILING if is_compiling else word
-        self.runner.report(part, whole, word)
+        word = COMPILING if is_compiling else self.spec.label or cycle
+        completed = float(sum(np.minimum(self._done, needed))) / self._size
+        self.runner.report(completed, float(sum(needed)) / self._size, word)

@@ -41,7 +41,6 @@ from presswear.results.stage_statistics import (
     StageStatistics,
 )
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import Array
 
 
 def stage_result(
@@ -169,24 +168,20 @@ def _joint_statistics(
     The wear of a wall, by both of its corners, is in the statistics of the walls.
     """
     is_corner = isinstance(joint, GuideCorner)
-    if is_corner:
-        wear = wear.without_wear
-    added_depth = wear.added_depth[k, :, : joint.bins]
-    maps = wear.maps[:, k, :, : joint.bins]
-    coarser = None if wear.coarser is None else wear.coarser[k, :, : joint.bins]
-    volume = worn_volume(joint, added_depth)
+    wear = (wear.without_wear if is_corner else wear).of_joint(k, joint.bins)
+    volume = worn_volume(joint, wear.added_depth)
     counters = np.array([recorder.records.counters[k] for recorder in means.recorders])
     contacts = int(counters["contacts"].sum())
     columns = JOINT_CYCLE if joint.oil is None else (*JOINT_CYCLE, *FILM_CYCLE)
     declared = means.declared(columns, k)
     step_error = None
-    if coarser is not None:
-        step_error = STEP_SAFETY * abs(worn_volume(joint, coarser) - volume)
-    deepest = wear.by_replicate[:, k, :, : joint.bins].max(axis=(1, 2))
-    (map_error,) = map_errors(maps[:, np.newaxis], wear.weights)
+    if wear.coarser is not None:
+        step_error = STEP_SAFETY * abs(worn_volume(joint, wear.coarser) - volume)
+    deepest = wear.by_replicate.max(axis=(1, 2))
+    (map_error,) = map_errors(wear.maps[:, np.newaxis], wear.weights)
     wear_peaks = {}
     if not (wear.is_frozen or is_corner):
-        wear_peaks = wear_peaks_of(joint, k, wear)
+        wear_peaks = wear_peaks_of(joint, wear)
     return JointStatistics(
         peak_force=means.largest("force_max", k),
         peak_force_per_cycle=means.peak("force_max", k).positive,
@@ -196,7 +191,7 @@ def _joint_statistics(
         min_steps_per_contact=int(counters["fewest_steps"].min()) if contacts else None,
         contact_time_fraction=declared["closed_time"].mean / means.cycle_time,
         load_distance_per_cycle=means.mean("load_distance", k).positive,
-        wear_volume=_wear_volume(joint, volume, maps, wear),
+        wear_volume=_wear_volume(joint, volume, wear),
         wear_volume_step_error=step_error,
         wear_map_error=float(map_error) if math.isfinite(map_error) else None,
         wear_depth_max_by_replicate=tuple(deepest.tolist()),
@@ -206,18 +201,13 @@ def _joint_statistics(
     )
 
 
-def _wear_volume(
-    joint: ClearanceJoint, volume: float, maps: Array, wear: StageWear
-) -> Estimate:
-    """Return a worn volume, m^3, with the interval of the volumes of the maps.
-
-    ``maps`` are the samples of the depth of the joint, (samples, 2, bins), m.
-    """
+def _wear_volume(joint: ClearanceJoint, volume: float, wear: StageWear) -> Estimate:
+    """Return the worn volume of a joint, m^3, with the interval of the volumes of its maps."""
     half_width = None
-    if len(maps) > 1:
-        volumes = np.array([worn_volume(joint, depth) for depth in maps])
+    if len(wear.maps) > 1:
+        volumes = np.array([worn_volume(joint, depth) for depth in wear.maps])
         # The wear that is applied may differ from the mean of the maps.
         change = volume - float(np.average(volumes, weights=wear.weights))
         half_width = half_width_of_runs(wear.series(volumes)) or 0.0
         half_width = math.hypot(half_width, change)
-    return Estimate.symmetric(volume, half_width, len(maps)).positive
+    return Estimate.symmetric(volume, half_width, len(wear.maps)).positive

@@ -1,6 +1,7 @@
 """Wear of a stage: depth that its wear update adds, its deepest places and their intervals."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,25 +60,21 @@ class StageWear:
             flattening=None,
         )
 
-    def of_sides(self, k: int, sides: list[int], bins: int) -> "StageWear":
-        """Return the wear of joint ``k``, the sum of some sides, arrays over its bins."""
+    def of_joint(self, k: int, bins: int) -> "StageWear":
+        """Return the wear of joint ``k``, whose arrays are over its sides and bins."""
+        return self._with(lambda maps: maps[..., k, :, :bins])
 
-        def summed(maps: Array) -> Array:
-            return np.asarray(maps[..., k, sides, :bins].sum(axis=-2))
+    def of_sides(self, sides: list[int]) -> "StageWear":
+        """Return the sum of the wear of some sides of a joint, arrays over its bins."""
+        return self._with(lambda maps: maps[..., sides, :].sum(axis=-2))
 
-        coarser = None
-        if self.coarser is not None:
-            coarser = summed(self.coarser)
-        flattening = None
-        if self.flattening is not None:
-            flattening = summed(self.flattening)
+    def _with(self, function: Callable[[Array], Array]) -> "StageWear":
+        """Return the wear with a function of each array of depths."""
+        names = ("added_depth", "maps", "coarser", "by_replicate", "flattening")
+        depths = {name: getattr(self, name) for name in names}
+        stored = {name: depth for name, depth in depths.items() if depth is not None}
         return replace(
-            self,
-            added_depth=summed(self.added_depth),
-            maps=summed(self.maps),
-            coarser=coarser,
-            by_replicate=summed(self.by_replicate),
-            flattening=flattening,
+            self, **{name: function(depth) for name, depth in stored.items()}
         )
 
     def series(self, values: Array) -> list[Array]:
@@ -94,11 +91,8 @@ def stage_wear_of(
 ) -> StageWear:
     """Return the wear of a stage by its update, or by one jump of ``factor`` cycles."""
     together = ensemble.together
-    batches, weights = map_batches(together.maps)
     laws = depth_laws_of(ensemble.linkage.clearances)
     initial_depth = together.depth.mean(axis=0)
-    samples = worn_off(laws, initial_depth, factor * batches)
-    successive = [len(run.batches) for run in together.maps]
     coarser = None
     flattening = None
     if update is None:
@@ -122,9 +116,13 @@ def stage_wear_of(
         weights = np.ones(len(by_replicate))
         successive = [1] * len(by_replicate)
     elif is_in_steps:
-        samples = samples[:0]
-        weights = weights[:0]
+        samples = by_replicate[:0]
+        weights = np.zeros(0)
         successive = [0]
+    else:
+        batches, weights = map_batches(together.maps)
+        samples = worn_off(laws, initial_depth, factor * batches)
+        successive = [len(run.batches) for run in together.maps]
     return StageWear(
         added_depth=added_depth,
         maps=samples,
@@ -145,17 +143,12 @@ def _replicates_differ(ensemble: Ensemble) -> bool:
     return any(differ(volumes) for volumes in zip(*volumes_of_runs, strict=True))
 
 
-def wear_peaks_of(
-    joint: ClearanceJoint, k: int, wear: StageWear
-) -> dict[str, WearPeak]:
-    """Return the deepest places of the wear map of one joint by side."""
+def wear_peaks_of(joint: ClearanceJoint, wear: StageWear) -> dict[str, WearPeak]:
+    """Return the deepest places of the wear map of a joint by side, from its wear."""
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    return {
-        name: _peak_of_map(wear.of_sides(k, rows, joint.bins))
-        for name, rows in sides.items()
-    }
+    return {name: _peak_of_map(wear.of_sides(rows)) for name, rows in sides.items()}
 
 
 def _peak_of_map(wear: StageWear) -> WearPeak:

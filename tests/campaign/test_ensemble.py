@@ -94,7 +94,7 @@ def test_few_raw_maps_have_students_interval_at_the_deepest_place():
     wear = StageWear(
         maps.mean(axis=0), maps, np.ones(4), (1,) * 4, None, maps, False, False, None
     )
-    depth = wear_peaks_of(joint, 0, wear)["bearing"].depth
+    depth = wear_peaks_of(joint, wear.of_joint(0, joint.bins))["bearing"].depth
     samples = maps[:, 0, 0, int(wear.added_depth[0, 0].argmax())]
     mean = samples.mean()
     error = stats.sem(samples)
