@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -70,12 +71,11 @@ class StageWear:
 
     def _with(self, function: Callable[[Array], Array]) -> "StageWear":
         """Return the wear with a function of each array of depths."""
-        names = ("added_depth", "maps", "coarser", "by_replicate", "flattening")
-        depths = {name: getattr(self, name) for name in names}
-        stored = {name: depth for name, depth in depths.items() if depth is not None}
-        return replace(
-            self, **{name: function(depth) for name, depth in stored.items()}
-        )
+        changes: dict[str, Any] = {}
+        for name in ("added_depth", "maps", "coarser", "by_replicate", "flattening"):
+            depth = getattr(self, name)
+            changes[name] = None if depth is None else function(depth)
+        return replace(self, **changes)
 
     def series(self, values: Array) -> list[Array]:
         """Return values of the samples, (n,), as one series for each run."""

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from presswear.campaign import wear_update
 from presswear.campaign.cycles_of_life import (
     MIN_TIMED_BLOCKS,
     cycles_left,
@@ -34,7 +33,7 @@ from presswear.campaign.service_life import (
     run_refinements,
 )
 from presswear.campaign.settled_motions import settling_of
-from presswear.campaign.wear_update import stage_spec
+from presswear.campaign.wear_update import CycleWear, largest_change, stage_spec
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.linkage.guide_corner import GuideCorner
 from presswear.physics.running_in import archard_depth, depth_laws_of
@@ -135,8 +134,7 @@ class WearHistories:
         self._run_without_wear(spec, "watched", StepCheck(scene, self.initial[0]))
         runner.count_as(cost, later)
         if self.settling and self.settling.verdict == "settled":
-            wear = wear_update.CycleWear(0.0, ())
-            spec = RunSpec(most, math.inf, wear=wear, label=label)
+            spec = RunSpec(most, math.inf, wear=CycleWear(0.0, ()), label=label)
             self._run_without_wear(spec, "settled")
 
     def _run_without_wear(
@@ -186,7 +184,7 @@ class WearHistories:
         removed = np.mean(
             [run_maps.sampled / max(run_maps.samples, 1) for run_maps in maps], axis=0
         )
-        change = wear_update.largest_change(joints, removed)
+        change = largest_change(joints, removed)
         of_depth = [law for law in depth_laws_of(joints) if law is not None]
         change *= max((law.ratio for law in of_depth if law.ratio > 1.0), default=1.0)
         share = self.problem.first_share
@@ -229,17 +227,12 @@ class WearHistories:
         runner.done -= running.cycles / count
         running = replace(running, until=(finished + plan.cycles,) * count)
         self.state = replace(self.state, place=place, running=running)
-        later = cycles_left(self.problem, refinements) - plan.cycles
-        if not before:
-            later -= start_up
-        later = max(later, 0.0) + self.later_stages * _stage_cycles(runner, before)
-        # Progress counts time in cycles of the mean duration so far.
-        runner.later = later * relative_time(self.problem, refinements)
-
+        started = 0 if before else start_up
+        runner.later = self._later_cycles(refinements, plan.cycles + started)
         laws = depth_laws_of(scene.linkage().clearances)
         spec = RunSpec(
             _MAX_CYCLES,
-            wear=wear_update.CycleWear(plan.share, laws, plan.extra),
+            wear=CycleWear(plan.share, laws, plan.extra),
             number=number + _MAX_INTERVALS * interval.number,
             label=f"life, refinement {number}, {large(interval.strokes, digits=2)} strokes",
         )
@@ -255,6 +248,15 @@ class WearHistories:
         if not before:
             self._check_reach(block.depth, block.strokes)
         return block
+
+    def _later_cycles(self, refinements: Refinements, present: int) -> float:
+        """Return the cycles of each history after the present ones, at the mean time so far.
+
+        They include the stages after the life.
+        """
+        later = max(cycles_left(self.problem, refinements) - present, 0.0)
+        later += self.later_stages * _stage_cycles(self.runner, refinements[-1].blocks)
+        return later * relative_time(self.problem, refinements)
 
     def _interval_of(self, before: Sequence[LoadBlock]) -> _Interval:
         """Return the service interval that a refinement goes on with after some blocks.
@@ -292,8 +294,8 @@ class WearHistories:
         cycles = int(counts.min())
         strokes = share * cycles
         earlier = interval.earlier
-        part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
-        depth = np.where(part < 1.0, earlier + part * (depth - earlier), depth)
+        fraction = (cycles / counts).reshape(-1, 1, 1, 1)
+        depth = np.where(fraction < 1.0, earlier + fraction * (depth - earlier), depth)
         until = finished + cycles
         removed = (depth - earlier).mean(axis=0) / strokes
         laws = depth_laws_of(joints)
@@ -306,7 +308,7 @@ class WearHistories:
             samples=samples_of(
                 self.runner.scene, np.array([run[finished:until] for run in rows])
             ),
-            rate=wear_update.largest_change(joints, removed),
+            rate=largest_change(joints, removed),
             removed=archard.mean(axis=0) / strokes,
             depth=depth,
             ended_by=f"{worn.joint}: {worn.what}" if worn else "",
@@ -360,7 +362,8 @@ class WearHistories:
         reached = max(float(levels[limit.key].mean()) / limit.value for limit in limits)
         deepest = int(np.argmax(worn))
         is_before = worn[deepest] > REACH * reached > 0.0
-        if is_before and life.at_most > (through := strokes / float(worn[deepest])):
+        through = strokes / max(float(worn[deepest]), 1e-300)
+        if is_before and life.at_most > through:
             joint = joints[deepest]
             raise InputError(
                 f"until: at the wear rate when new, joint {joint.name} wears by "

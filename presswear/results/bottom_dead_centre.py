@@ -22,8 +22,11 @@ def bottom_errors(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]
         return []
     error = stage.each_cycle("bottom_height") - ideal.height
     start = stage.arrays["cycle_start"]
-    each = [error[start == replicate][ideal.first :] for replicate in np.unique(start)]
-    return [(ideal.first + 1.0 + np.arange(errors.size), errors) for errors in each]
+    by_replicate = []
+    for replicate in np.unique(start):
+        errors = error[start == replicate][ideal.first :]
+        by_replicate.append((ideal.first + 1.0 + np.arange(errors.size), errors))
+    return by_replicate
 
 
 @checked_arguments

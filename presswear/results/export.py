@@ -14,6 +14,7 @@ import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import chain, product
 from pathlib import Path
 from typing import BinaryIO
 
@@ -48,20 +49,14 @@ Table = Mapping[str, Array]  # columns by name, all of one length
 
 # torque, power: if stored
 _DRIVE = {"angle": "rad", "speed": "rad/s", "torque": "N m", "power": "W"}
-# The same of a drive along a guide: names and units
-_LINEAR_DRIVE = {
-    "angle": "distance",
-    "speed": "velocity",
-    "torque": "drive_force",
-    "power": "power",
-}
+# Names of a drive along a guide
+_LINEAR_DRIVE = {"angle": "distance", "speed": "velocity", "torque": "drive_force"}
 _LINEAR_UNITS = {"distance": "m", "drive_force": "N"}
 UNITS = {
     # First, because names of series end longer names, such as ``load_distance``.
     **{
         column.name: column.unit
-        for columns in (CYCLE, LEADER_CYCLE, JOINT_CYCLE, FILM_CYCLE)
-        for column in columns
+        for column in (*CYCLE, *LEADER_CYCLE, *JOINT_CYCLE, *FILM_CYCLE)
     },
     **{column.table_name: column.unit for column in SERIES},
     "clock": "s",  # real time; with a motor ``time`` is the nominal time
@@ -76,9 +71,8 @@ UNITS = {
     "replicate": "1",
     **{name: item.unit for name, item in LIFE_QUANTITIES.items()},
 }
-_MOMENTS = [
-    f"{item.name}_{number}" for item in fields(Strokes) for number in ("time", "height")
-]
+_INSTANTS = product(fields(Strokes), ("time", "height"))
+_MOMENTS = [f"{instant.name}_{number}" for instant, number in _INSTANTS]
 _ENDINGS = ".csv", ".npz"  # endings of tables that can be read
 _WRITTEN = *_ENDINGS, ".mat"
 TOLERANCE = 1e-3  # root mean square difference, of the root mean square of the column
@@ -112,30 +106,30 @@ def unit_of(column: str) -> str:
 
 def table_of(result: Result, stage: int) -> dict[str, Array]:
     """Return the recorded series of a stage; InputError if there is no such stage."""
-    item = result.stage(stage)
-    columns = {column.table_name: getattr(item, column.name) for column in SERIES}
-    if item.has_clock:
-        columns["clock"] = item.clock
-    columns["height"] = height_of(result.scene, item)
-    force = process_force(result.scene, item)
+    recorded = result.stage(stage)
+    columns = {column.table_name: getattr(recorded, column.name) for column in SERIES}
+    if recorded.has_clock:
+        columns["clock"] = recorded.clock
+    columns["height"] = height_of(result.scene, recorded)
+    force = process_force(result.scene, recorded)
     if force is not None:
         columns["process_force"] = force
-    if item.has_joint_series:
-        for name, joint in item.joints.items():
+    if recorded.has_joint_series:
+        for name, joint in recorded.joints.items():
             for column in JOINT_SERIES:
                 columns[f"{name}_{column.table_name}"] = joint.series(column.name)
     linear = linear_bodies(result.scene.base_linkage.drives)
-    for body, curve in curves_of(result.scene, item).items():
+    for body, curve in curves_of(result.scene, recorded).items():
         for key in _DRIVE:
-            label = _LINEAR_DRIVE[key] if body in linear else key
+            label = _LINEAR_DRIVE.get(key, key) if body in linear else key
             values = getattr(curve, key)
             if values.size:
                 columns[f"{body}_{label}"] = values
     linkage = result.scene.linkage()
     for k, guide in enumerate(linkage.elastic_guides):
-        columns[f"{guide.name}_stretch"] = item.arrays["stretch"][:, k]
+        columns[f"{guide.name}_stretch"] = recorded.arrays["stretch"][:, k]
     for k, pin in enumerate(linkage.elastic_pins):
-        columns[f"{pin.name}_stretch"] = item.arrays["pin_stretch"][:, k]
+        columns[f"{pin.name}_stretch"] = recorded.arrays["pin_stretch"][:, k]
     return columns
 
 
@@ -157,11 +151,11 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
 
 def cycles_table(result: Result, stage: int) -> dict[str, Array]:
     """Return the numbers of each cycle of all replicates, one row per cycle."""
-    item = result.stage(stage)
-    columns = {"replicate": item.arrays["cycle_start"].astype(float)}
-    for name in names_of((*CYCLE, *(LEADER_CYCLE if item.has_clock else ()))):
-        columns[name] = item.each_cycle(name)
-    for joint in item.joints.values():
+    recorded = result.stage(stage)
+    columns = {"replicate": recorded.arrays["cycle_start"].astype(float)}
+    for name in names_of((*CYCLE, *(LEADER_CYCLE if recorded.has_clock else ()))):
+        columns[name] = recorded.each_cycle(name)
+    for joint in recorded.joints.values():
         for name in names_of(joint.cycle_columns):
             columns[f"{joint.name}_{name}"] = joint.each_cycle(name)
     return columns
@@ -226,7 +220,7 @@ def _write_matlab(file: BinaryIO, table: Table, units: Mapping[str, str]) -> Non
 def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
     """Write a table for people as ``.csv``; the columns are those of all rows."""
     text = io.StringIO()
-    columns = {name: None for row in rows for name in row}
+    columns = dict.fromkeys(chain.from_iterable(rows))
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
@@ -276,9 +270,10 @@ def _read_csv(path: Path) -> dict[str, Array]:
             rows = np.loadtxt(lines[1:], delimiter=separator, ndmin=2)
     except ValueError as error:
         # numpy counts such rows from 0
-        place = re.compile(r"at row (\d+), column")
-        text = place.sub(
-            lambda match: f"in row {int(match[1]) + 1}, column", str(error)
+        text = re.sub(
+            r"at row (\d+), column",
+            lambda match: f"in row {int(match[1]) + 1}, column",
+            str(error),
         )
         raise InputError(f"{path}: {text}") from None
     if len(set(names)) < len(names):

@@ -84,7 +84,7 @@ def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
     from scipy.integrate import solve_ivp  # slow to import
 
     time = load.time - load.time[0]
-    parts = load.force.real, load.force.imag, load.speed_sum
+    series = load.force.real, load.force.imag, load.speed_sum
 
     evaluations = 0
 
@@ -93,7 +93,7 @@ def periodic_orbit(load: FilmLoad, film: OilFilm) -> FilmOrbit:
         evaluations += 1
         if evaluations > _MAX_EVALUATIONS:
             raise OrbitTooStiff
-        x, y, speeds = (float(np.interp(now, time, part)) for part in parts)
+        x, y, speeds = (float(np.interp(now, time, values)) for values in series)
         return stretched_rate(state, (x, y), speeds, film)
 
     start = np.zeros(2)

@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -84,18 +85,17 @@ def read_stored(path: Path) -> StoredResult:
         )
     elif (path / "diagram.json").exists():
         missing += "; it holds a bifurcation diagram, which pw.load_diagram reads"
-    elif inner := sorted(
-        f"{p.parent}" for d in ("*", "*/*") for p in path.glob(f"{d}/{FILE}")
-    ):
-        missing += f"; name one that it holds: {', '.join(inner[:3])}"
-    stored = typed(
-        read_json(file, missing, SCHEMA, _MOST_BYTES), StoredResult, f"{file}"
-    )
+    else:
+        files_inside = [*path.glob(f"*/{FILE}"), *path.glob(f"*/*/{FILE}")]
+        folders = sorted(f"{inside.parent}" for inside in files_inside)
+        if folders:
+            missing += f"; name one that it holds: {', '.join(folders[:3])}"
+    document = read_json(file, missing, SCHEMA, _MOST_BYTES)
+    stored = typed(document, StoredResult, f"{file}")
     indices = [stage.index for stage in stored.stages]
-    files = {name for index in indices for name in files_of(index)}
-    files |= (
-        {LIFE} if stored.life and stored.life.ended not in WITHOUT_CURVES else set()
-    )
+    files = set(chain.from_iterable(map(files_of, indices)))
+    if stored.life and stored.life.ended not in WITHOUT_CURVES:
+        files.add(LIFE)
     if indices != list(range(len(indices))) or files != stored.files.keys():
         unlike = ", ".join(sorted(files ^ stored.files.keys()))
         raise InputError(f"{file}: the stages {indices} and 'files' differ: {unlike}")
@@ -187,14 +187,9 @@ class ResultFolder(Observer):
             self._loosen(old, new)
         if self.is_finished:
             return
+        self._remove_unused_files()
         checkpoint = stored.checkpoint
         first = 0
-        used = "" if checkpoint is None else checkpoint.file
-        for item in self.path.iterdir():
-            is_part = item.name.startswith((FILE, "stage-", "film-", "report.html"))
-            is_checkpoint = item.name.startswith("checkpoint") and item.name != used
-            if is_checkpoint or (is_part and item.name.endswith(PART)):
-                item.unlink()
         if checkpoint is None:
             self.remarks.append(
                 f"{self.path} has no checkpoint yet: the run starts again"
@@ -212,10 +207,20 @@ class ResultFolder(Observer):
         if origin["machine"] != here["machine"]:
             machines = f"started on {origin['machine']}, resumed on {here['machine']}"
             self.remarks.append(f"{machines}: last digits may differ from here on")
-        again = {"started": here["started"], "machine": here["machine"]}
-        origin["resumed"] = [*origin.get("resumed", []), again]
+        resumed = {"started": here["started"], "machine": here["machine"]}
+        origin["resumed"] = [*origin.get("resumed", []), resumed]
         stored.status = "running"
         stored.message = ""
+
+    def _remove_unused_files(self) -> None:
+        """Remove files that are written in part, and checkpoints that are not used."""
+        checkpoint = self._stored.checkpoint
+        used = "" if checkpoint is None else checkpoint.file
+        for file in self.path.iterdir():
+            is_part = file.name.startswith((FILE, "stage-", "film-", "report.html"))
+            is_checkpoint = file.name.startswith("checkpoint") and file.name != used
+            if is_checkpoint or (is_part and file.name.endswith(PART)):
+                file.unlink()
 
     def _loosen(self, old: float, new: float) -> None:
         """Continue a service life with a looser tolerance; a known life may meet it already."""
@@ -336,9 +341,8 @@ class ResultFolder(Observer):
     ) -> None:
         try:
             # After a signal any error is treated as an interrupt.
-            if isinstance(error, KeyboardInterrupt) or (
-                error is not None and is_stopped()
-            ):
+            is_interrupt = isinstance(error, KeyboardInterrupt)
+            if is_interrupt or (error is not None and is_stopped()):
                 self.interrupt()
             elif isinstance(error, InputError):
                 self.discard()

@@ -264,8 +264,8 @@ def _limit_of(limits: Sequence[Limit], reading: Reading) -> float:
     sizes = {reading.quantity: 1.0}
     if reading.quantity in NEW_OVER_CLEARANCE:
         sizes = {
-            name: NEW_OVER_CLEARANCE[reading.quantity] / each
-            for name, each in NEW_OVER_CLEARANCE.items()
+            name: NEW_OVER_CLEARANCE[reading.quantity] / size
+            for name, size in NEW_OVER_CLEARANCE.items()
         }
     values = [
         limit.value * sizes[limit.name]
@@ -386,12 +386,12 @@ def _remaining(
 ) -> RemainingLife:
     """Return the strokes until the first limit of several independent joints."""
     grid = _grid_of(list(lives.values()))
-    survivals = {name: life.survival(grid) for name, life in lives.items()}
+    survivals = {name: joint.survival(grid) for name, joint in lives.items()}
     together = np.prod(list(survivals.values()), axis=0)
     each = {name: _estimate(grid, survival) for name, survival in survivals.items()}
     first = firsts[min(each, key=lambda name: each[name].mean)]
-    whole = _estimate(grid, together)
-    ends = (whole.mean, whole.low or 0.0, whole.high or 0.0)
+    life = _estimate(grid, together)
+    ends = (life.mean, life.low or 0.0, life.high or 0.0)
     mean, low, high = (max(end - now, 0.0) for end in ends)
     survival = float(np.interp(math.log(now), grid, together, left=1.0, right=0.0))
     remaining = Estimate(mean, low, high)

@@ -34,7 +34,8 @@ def elastic_pin_forces(
     for pin, stretch in columns:
         force = (pin.stiffness or 0.0) * stretch
         peaks = _peaks_by_phase(stage.clock, force, strokes)
-        if means := means_by_name(peaks):
+        means = means_by_name(peaks)
+        if means:
             forces[pin.name] = means
     return forces
 

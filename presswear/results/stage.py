@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -134,9 +135,11 @@ class StageResult:
     @property
     def is_worn(self) -> bool:
         """True if a surface in the stage is worn."""
-        names = [f"{name}_depth_{side}" for name in self.joint_names for side in SIDES]
-        names += [f"{guide}_wall_depth" for guide in self.statistics.walls]
-        return any(bool(np.any(self.arrays.get(name, 0.0))) for name in names)
+        depths = [
+            f"{name}_depth_{side}" for name, side in product(self.joint_names, SIDES)
+        ]
+        depths += [f"{guide}_wall_depth" for guide in self.statistics.walls]
+        return any(np.any(self.arrays.get(name, 0.0)) for name in depths)
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the recorded series over the time, s, in SI; needs pandas.
@@ -156,7 +159,9 @@ class StageResult:
         """Return the recorded series of the output point and the joints, and their units."""
         columns = {column.table_name: getattr(self, column.name) for column in SERIES}
         units = {column.table_name: column.unit for column in SERIES}
-        for name, joint in self.joints.items() if self.has_joint_series else ():
+        if not self.has_joint_series:
+            return columns, units
+        for name, joint in self.joints.items():
             for column in JOINT_SERIES:
                 columns[f"{name}_{column.table_name}"] = joint.series(column.name)
                 units[f"{name}_{column.table_name}"] = column.unit
@@ -328,7 +333,7 @@ class StageResult:
             raise InputError(f"{self.name}: no sections were stored; use sections = 1")
         quantities = [*SECTION_NAMES]
         for prefix in self.joint_names:
-            quantities += [f"{prefix}.{each}" for each in SECTION_JOINT_NAMES]
+            quantities += [f"{prefix}.{quantity}" for quantity in SECTION_JOINT_NAMES]
         column = f"{joint}.{name}" if joint else name
         if column not in quantities:
             raise unknown("quantity of a section", column, quantities)

@@ -163,12 +163,11 @@ class StageStatistics:
     @property
     def high_bumps(self) -> dict[str, Bumps]:
         """Joints whose bumps are higher than the penetration; with one, peaks have no interval."""
-        bumps = {name: joint.bumps for name, joint in self.joints.items()}
-        return {
-            name: item
-            for name, item in bumps.items()
-            if item is not None and item.are_high
-        }
+        high = {}
+        for name, joint in self.joints.items():
+            if joint.bumps is not None and joint.bumps.are_high:
+                high[name] = joint.bumps
+        return high
 
     @property
     def energy_residual_fraction(self) -> float | None:

@@ -140,13 +140,10 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     rows = []
     top = process.height
     broken = math.nan if process.fracture is None else top - process.fracture
-    contacts, fractures = (
-        _passes(stage, height, velocity, level, -1.0) for level in (top, broken)
-    )
-    leavings, turns = (
-        _passes(stage, height, velocity, level, 1.0)
-        for level in (top, top + scene.lift)
-    )
+    contacts = _passes(stage, height, velocity, top, -1.0)
+    fractures = _passes(stage, height, velocity, broken, -1.0)
+    leavings = _passes(stage, height, velocity, top, 1.0)
+    turns = _passes(stage, height, velocity, top + scene.lift, 1.0)
 
     def between(instants: Array, start: float, end: float) -> Array:
         inside = instants[(instants[:, 0] > start) & (instants[:, 0] < end)]
@@ -177,8 +174,9 @@ def _passes(
     for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
         step = time[k + 1] - time[k]
         ends = off[k], rate[k], off[k + 1], rate[k + 1], step
-        part = min(crossing(*ends), 1.0)
-        instants.append((time[k] + part * step, level + sign * hermite(*ends, part)[0]))
+        fraction = min(crossing(*ends), 1.0)
+        height_of_pass = level + sign * hermite(*ends, fraction)[0]
+        instants.append((time[k] + fraction * step, height_of_pass))
     passes = np.array(instants).reshape(-1, 2)
     passes[:, 0] = stage.nominal_of(passes[:, 0])
     return passes
@@ -222,7 +220,7 @@ def working_strokes(scene: Scene, stage: StageResult) -> list[SampledStroke]:
 
 def means_by_name(values: Mapping[str, Iterable[float]]) -> dict[str, Estimate]:
     """Return the means over the strokes by name, without those that have no value."""
-    means = {name: mean_of_strokes(each) for name, each in values.items()}
+    means = {name: mean_of_strokes(samples) for name, samples in values.items()}
     return {name: mean for name, mean in means.items() if mean is not None}
 
 

@@ -68,35 +68,33 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     if not strokes:
         return None
     series = stage.joints if stage.has_joint_series else {}
+    time = stage.clock
     joints = {
-        name: joint_tonnage(stage.clock, joint, strokes)
-        for name, joint in series.items()
+        name: joint_tonnage(time, joint, strokes) for name, joint in series.items()
     }
     force = process_force(scene, stage)
-    time = stage.clock
-    peak = None
-    work = None
-    before = None
-    after = None
-    if force is not None:
-        height, _ = motion_of_work(scene, stage)
-        rows = [_rows(time, item.start, item.end) for item in strokes]
-        peak = mean_of_strokes(float(force[part].max()) for part in rows)
-        # The force is linear in height between two rows.
-        work = mean_of_strokes(
-            -float(np.trapezoid(force[part], height[part])) for part in rows
-        )
-        # Accurate to 1e-8 of the greatest acceleration, far below what contacts add.
-        ideal = scene.ideal_slider(stage.time, closed=False)
-        deviation = stage.acceleration - ideal[:, 2]
-        window = SNAP_THROUGH_S
-        broken = [stroke for stroke in strokes if stroke.has_fracture]
-        before = mean_of_strokes(
-            _rms(time, deviation, s.contact - window, s.contact) for s in broken
-        )
-        after = mean_of_strokes(
-            _rms(time, deviation, s.fracture, s.fracture + window) for s in broken
-        )
+    if force is None:
+        return Tonnage(len(strokes), None, None, joints, None, None)
+    height, _ = motion_of_work(scene, stage)
+    rows = [_rows(time, stroke.start, stroke.end) for stroke in strokes]
+    peak = mean_of_strokes(float(force[stroke].max()) for stroke in rows)
+    # The force is linear in height between two rows.
+    work = mean_of_strokes(
+        -float(np.trapezoid(force[stroke], height[stroke])) for stroke in rows
+    )
+    # Accurate to 1e-8 of the greatest acceleration, far below what contacts add.
+    ideal = scene.ideal_slider(stage.time, closed=False)
+    deviation = stage.acceleration - ideal[:, 2]
+    window = SNAP_THROUGH_S
+    broken = [stroke for stroke in strokes if stroke.has_fracture]
+    before = mean_of_strokes(
+        _rms(time, deviation, stroke.contact - window, stroke.contact)
+        for stroke in broken
+    )
+    after = mean_of_strokes(
+        _rms(time, deviation, stroke.fracture, stroke.fracture + window)
+        for stroke in broken
+    )
     return Tonnage(len(strokes), peak, work, joints, before, after)
 
 
