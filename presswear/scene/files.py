@@ -32,7 +32,6 @@ TABLE = ".csv"  # ending of a table of measured profiles
 # table of the values that a sweep of the scene varies, which the scene ignores
 SWEEP = "sweep"
 _PARTS = "process", MOTOR, SERVO, "life"
-_WITHOUT_KIND = MOTOR, SERVO  # tables whose kind may be left out
 _KEYS = ("title", *TABLES, *_PARTS, "surfaces", SWEEP)
 
 POINTS = "points"
@@ -82,18 +81,19 @@ def _with_comments(text: str, file: Path) -> str:
     return "\n".join([*lines, ""])
 
 
+def _template(name: str) -> str:
+    file = files("presswear.scene").joinpath(f"{name}.toml")
+    return file.read_text("utf-8").strip()
+
+
 def _joined(kind: str) -> str:
     """Return the text of an example: its mechanism, and the common tables that it lacks."""
-    mechanism, common = (
-        files("presswear.scene").joinpath(f"{name}.toml").read_text("utf-8").strip()
-        for name in (kind, "example")
-    )
-    tables = _HEADING.findall(mechanism)
-    blocks = [
-        block
-        for block in common.split("\n\n")
-        if not set(_HEADING.findall(block)).intersection(tables)
-    ]
+    mechanism = _template(kind)
+    tables = set(_HEADING.findall(mechanism))
+    blocks = []
+    for block in _template("example").split("\n\n"):
+        if tables.isdisjoint(_HEADING.findall(block)):
+            blocks.append(block)
     joints = getattr(_class_in(mechanism), "default_joints", "B")
     words = {
         "KIND": kind,
@@ -204,9 +204,8 @@ def _mechanism(data: Any, folder: Path) -> tuple[AnyMechanism, Mapping[str, Any]
         return linkage_from(_texts(table, "mechanism", folder), "mechanism"), {}
     if kind not in MECHANISMS:
         raise unknown("mechanism", kind, MECHANISMS)
-    return MECHANISMS[kind](), {
-        key: value for key, value in table.items() if key != "kind"
-    }
+    settings = {key: value for key, value in table.items() if key != "kind"}
+    return MECHANISMS[kind](), settings
 
 
 def _texts(value: Any, place: str, folder: Path) -> Any:
@@ -215,9 +214,10 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
     Files of user laws are looked for in the folder.
     """
     if isinstance(value, Mapping):
-        return {
-            key: _texts(item, f"{place}.{key}", folder) for key, item in value.items()
-        }
+        texts = {}
+        for key, item in value.items():
+            texts[key] = _texts(item, f"{place}.{key}", folder)
+        return texts
     if isinstance(value, list):
         return [_texts(item, place, folder) for item in value]
     if isinstance(value, str) and ".py:" in value:
@@ -234,17 +234,10 @@ def _texts(value: Any, place: str, folder: Path) -> Any:
 def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return the settings of all tables by key, as on the command line."""
     settings: dict[str, Any] = {}
-    for table in (name for name in (*TABLES, *_PARTS) if name in data):
-        if not isinstance(data[table], Mapping):
-            raise InputError(f"{table} = {shown(data[table])}: a table is expected")
-        needs_kind = table in _PARTS and (
-            table not in _WITHOUT_KIND
-            or (table == SERVO and "stiffness" not in data[table])
-        )
-        if needs_kind and "kind" not in data[table]:
-            raise InputError(
-                f"{table}: a kind is missing; presswear list SCENE shows the kinds"
-            )
+    for table in (*TABLES, *_PARTS):
+        if table not in data:
+            continue
+        _check_table(table, data[table])
         for name, value in _flat(data[table]):
             key = name_of_key(name)
             if table in _PARTS:
@@ -262,11 +255,25 @@ def _settings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     return settings
 
 
+def _check_table(name: str, table: Any) -> None:
+    """Raise InputError unless a table of a file is a table, with a kind if it needs one."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"{name} = {shown(table)}: a table is expected")
+    needs_kind = name in ("process", "life")
+    if name == SERVO:
+        needs_kind = "stiffness" not in table  # else it turns at a constant speed
+    if needs_kind and "kind" not in table:
+        raise InputError(
+            f"{name}: a kind is missing; presswear list SCENE shows the kinds"
+        )
+
+
 def _flat(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield keys and values of a table; TOML reads ``A.clearance`` as a table ``A`` in it."""
     for key, value in table.items():
         if isinstance(value, Mapping):
-            yield from ((f"{key}.{name}", inner) for name, inner in _flat(value))
+            for name, inner_value in _flat(value):
+                yield f"{key}.{name}", inner_value
         else:
             yield key, value
 
@@ -281,8 +288,7 @@ def _check_value(table: str, key: str, value: Any) -> None:
 
 
 _HEADER = "joint,side,angle (deg),depth (um)"
-_MEANINGS = {"angle": Quantity("rad"), "depth": Quantity("m")}
-_COLUMNS = "joint", "side", *_MEANINGS
+_COLUMNS = ["angle", "depth", "joint", "side"]
 _COLUMN = re.compile(r"[^\W\d]\w*")  # its name, before its unit
 TableRow = tuple[int, dict[str, str]]  # number of its line, and values by column
 
@@ -311,11 +317,11 @@ def read_table(file: Path, header: str) -> tuple[list[str], list[TableRow]]:
     (_, heads), *rows = table
     names = []
     units = []
-    for word in heads:
-        match = _COLUMN.match(word)
+    for head in heads:
+        match = _COLUMN.match(head)
         name = match[0] if match else ""
         names.append(name)
-        units.append(word[len(name) :].strip(" ()[]"))
+        units.append(head.removeprefix(name).strip(" ()[]"))
     values = []
     for number, words in rows:
         if len(words) != len(names):
@@ -336,7 +342,7 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     """
     names, rows = read_table(file, _HEADER)
     points: dict[str, tuple[list[Any], list[Any]]] = {}
-    if sorted(names) != sorted(_COLUMNS):
+    if sorted(names) != _COLUMNS:
         raise InputError(
             f"{file}: columns {', '.join(names)}: a header as {_HEADER} is expected"
         )
@@ -344,15 +350,13 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
         try:
             if row["side"] not in SIDES:
                 raise unknown("side", row["side"], SIDES)
-            point = [
-                parse_quantity(name, row[name], meaning)
-                for name, meaning in _MEANINGS.items()
-            ]
+            angle = parse_quantity("angle", row["angle"], Quantity("rad"))
+            depth = parse_quantity("depth", row["depth"], Quantity("m"))
         except InputError as error:
             raise InputError(f"{file}, line {number}: {error}") from None
         sides = points.setdefault(row["joint"], ([], []))
-        sides[SIDES.index(row["side"])].append(point)
-    return {
-        name: (np.array(bearing), np.array(pin))
-        for name, (bearing, pin) in points.items()
-    }
+        sides[SIDES.index(row["side"])].append((angle, depth))
+    profiles = {}
+    for joint, (bearing, pin) in points.items():
+        profiles[joint] = np.array(bearing), np.array(pin)
+    return profiles

@@ -36,9 +36,9 @@ def name_of_key(key: str) -> str:
     The key may begin with the name of its table in a file, which is left out. The law in
     the table of a user law has the key of the table, and numbers of a law have no symbols.
     """
-    table, _, rest = key.partition(".")
-    if table in TABLES and rest:
-        key = rest
+    table, _, key_in_table = key.partition(".")
+    if table in TABLES and key_in_table:
+        key = key_in_table
     first, dot, last = key.rpartition(".")
     if first.rpartition(".")[2] in LAWS:
         return first if last == "law" else f"{first}.{last}"
@@ -78,11 +78,13 @@ def _unknown_key(scene: Scene, key: str, allowed: Mapping[str, Setting]) -> Inpu
     if reason:
         return InputError(f"{key}: {reason}")
     is_joint = first in scene.bearing_joints
-    part = allowed.get(first)
-    inner = [name[len(first) + 1 :] for name in allowed if name.startswith(f"{first}.")]
-    if part is not None and inner:
+    inner = []  # keys behind ``first``
+    for name in allowed:
+        if name.startswith(f"{first}."):
+            inner.append(name.removeprefix(f"{first}."))
+    if first in allowed and inner:
         return unknown(f"key of {first}", last, inner)
-    if part is None and not is_joint and last in vars(scene.bearings):
+    if first not in allowed and not is_joint and last in vars(scene.bearings):
         return unknown(f"joint in {key}:", first, scene.mechanism.allowed_joints)
     if absent := not_modelled(key):
         return InputError(f"unknown key {shown(key)}. {absent}")
@@ -110,9 +112,9 @@ def _reason_for_absence(scene: Scene, key: str, allowed: Mapping[str, Setting]) 
     if not first and last in NOT_COMMON:
         joint = scene.mechanism.linkage().revolutes[-1].name
         return f"name the joint, for example {joint}.{last}"
-    part = allowed.get(first)
-    if part is not None and part.value == NONE:
-        kinds = [word for word in cast(Choice, part.meaning).words if word != NONE]
+    owner = allowed.get(first)
+    if owner is not None and owner.value == NONE:
+        kinds = [word for word in cast(Choice, owner.meaning).words if word != NONE]
         return f"{first} = {NONE}; it needs {first} = {', '.join(kinds)}"
     if first in scene.mechanism.allowed_joints and first not in scene.bearing_joints:
         return f"joint {first} has no clearance; joints = {scene.joints}"

@@ -38,11 +38,12 @@ class Setting:
 
 def settings_of(scene: Scene) -> list[Setting]:
     """Return all settings with present values; of single joints only those that differ."""
-    common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
     settings = list(settings_in(scene, scene.origins))
+    common = {setting.key: setting.value for setting in settings_in(scene.bearings)}
     for joint in scene.joint_bearings:
         for setting in _of_joint(scene, joint):
-            if setting.value != common.get(setting.key.removeprefix(f"{joint}.")):
+            name = setting.key.removeprefix(f"{joint}.")
+            if setting.value != common.get(name):
                 settings.append(setting)
     return settings
 

@@ -5,7 +5,7 @@ parts. A part that may be absent and a single joint are named before a dot:
 ``process.force``, ``A.clearance``.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -45,56 +45,73 @@ def changed(scene: Scene, settings: Mapping[str, Any], origin: str = SET) -> Sce
     InputError
         For an unknown key, a key that stands twice, or a value that does not fit.
     """
-    named = dict(_halved(name_of_key(key), value) for key, value in settings.items())
-    if len(named) < len(settings):
-        keys = [radial_name(name_of_key(key)) for key in settings]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        both = " and ".join(
-            key for key, name in zip(settings, keys, strict=True) if name == twice
-        )
-        raise InputError(f"{both} are the same setting; set one of them")
+    named = _by_name(settings)
     if scene.life is not None and f"{named.get('wear_updates')}".strip() == "0":
         named.setdefault("life", NONE)  # without wear there is no life
     _add_motor_and_servo(scene, named)
     single: dict[str, dict[str, Any]] = {name: {} for name in scene.joint_bearings}
     common = {}
     for key, value in named.items():
-        first, last = _joint_and_name(key, scene.mechanism.allowed_joints)
-        if first:
-            single.setdefault(first, {})[last] = value
+        joint, name = _joint_and_name(key, scene.mechanism.allowed_joints)
+        if joint:
+            single.setdefault(joint, {})[name] = value
         else:
             common[key] = value
     _release_elastic(scene, single, common)
-    for_all = _without_single(common)
-    bearings = {
-        name: _changed(scene.bearing(name), for_all | values, message_prefix=f"{name}.")
-        for name, values in single.items()
-    }
+    bearings = {}
+    for joint, values in single.items():
+        all_values = _without_single(common) | values
+        bearings[joint] = _changed(scene.bearing(joint), all_values, label=f"{joint}.")
     origins = {**scene.origins, **dict.fromkeys(named, origin)}
     # In one step: a new mechanism may have joints of other names.
     result: Scene = _changed(scene, common, joint_bearings=bearings, origins=origins)
     check_keys(result, named)
-    if fits := _fit_origins(result, named, origin):
-        origins |= fits
-        result = replace(result, origins=origins)
-    if in_file := [key for key in named if scene.origins.get(key) == IN_FILE]:
-        # A value that the file has already is no change of it.
-        allowed = settings_by_key(result)
-        before = settings_by_key(scene)
-        same = [
-            k for k in in_file if k in before and before[k].value == allowed[k].value
-        ]
-        result = replace(result, origins={**origins, **dict.fromkeys(same, IN_FILE)})
-    return result
+    special_origins = _fit_origins(result, named, origin)
+    special_origins |= _origins_in_file(scene, result, named)
+    if not special_origins:
+        return result
+    return replace(result, origins=origins | special_origins)
+
+
+def _by_name(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings by the names of their keys, radii in place of diameters."""
+    keys: dict[str, str] = {}
+    named = {}
+    for key, value in settings.items():
+        name = name_of_key(key)
+        radial = radial_name(name)
+        if radial in keys:
+            raise InputError(
+                f"{keys[radial]} and {key} are the same setting; set one of them"
+            )
+        keys[radial] = key
+        is_doubled = radial != name
+        named[radial] = halved(name.rpartition(".")[2], value) if is_doubled else value
+    return named
+
+
+def _origins_in_file(
+    scene: Scene, result: Scene, keys: Iterable[str]
+) -> dict[str, str]:
+    """Return the origins of values that a file has already: they are no changes of it."""
+    in_file = [key for key in keys if scene.origins.get(key) == IN_FILE]
+    if not in_file:
+        return {}
+    before = settings_by_key(scene)
+    after = settings_by_key(result)
+    origins = {}
+    for key in in_file:
+        if key in before and before[key].value == after[key].value:
+            origins[key] = IN_FILE
+    return origins
 
 
 def _joint_and_name(key: str, joints: Collection[str]) -> tuple[str, str]:
-    """Return the joint of a key, or an empty text, and the rest of the key."""
-    first, last = key, ""
-    while first and first not in joints:
-        first, _, word = first.rpartition(".")
-        last = f"{word}.{last}" if last else word
-    return first, last
+    """Return the joint with which a key begins, or an empty text, and the name behind it."""
+    joint = key
+    while joint and joint not in joints:
+        joint = joint.rpartition(".")[0]
+    return joint, key.removeprefix(joint).removeprefix(".")
 
 
 def _without_single(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -106,14 +123,14 @@ def _release_elastic(
     scene: Scene, single: Mapping[str, dict[str, Any]], common: dict[str, Any]
 ) -> None:
     """Give joints that get a stiffness a bearing without clearance, in place."""
-    elastic = [
-        name
-        for name, values in single.items()
-        if f"{values.get('stiffness', NONE)}".strip() not in (NONE, "None")
-    ]
-    for name in elastic:
+    elastic = []
+    for name, values in single.items():
+        stiffness = f"{values.get('stiffness', NONE)}".strip()
+        if stiffness in (NONE, "None"):
+            continue
+        elastic.append(name)
         if name not in scene.clearance_joints:
-            single[name].setdefault("clearance", 0.0)
+            values.setdefault("clearance", 0.0)
     joints = common.get("joints", scene.joints)
     if elastic and isinstance(joints, str):
         allowed = Choice((*scene.mechanism.allowed_joints, NONE), several=True)
@@ -149,12 +166,6 @@ def _add_motor_and_servo(scene: Scene, settings: dict[str, Any]) -> None:
         settings.setdefault(MOTOR, ON)
 
 
-def _halved(key: str, value: Any) -> tuple[str, Any]:
-    """Return a setting; of a diameter or a diametral clearance that of the radial one, m."""
-    name = radial_name(key)
-    return name, value if name == key else halved(key.rpartition(".")[2], value)
-
-
 def _fit_origins(
     scene: Scene, settings: Mapping[str, Any], origin: str
 ) -> dict[str, str]:
@@ -174,23 +185,23 @@ def _changed(
     owner: Any,
     settings: Mapping[str, Any],
     prefix: str = "",
-    message_prefix: str = "",
+    label: str = "",
     **updates: Any,
 ) -> Any:
-    """Return a data class with its fields, and those of its parts, set by key."""
-    for name, key, value, meaning, inner in fields_of(owner, prefix):
-        result = settings.get(key, value) if meaning is not None else value
-        if isinstance(meaning, Choice) and result is not value and meaning.is_part:
-            if result == meaning.shown(value):
-                result = value
-            else:
-                result = meaning.chosen(f"{message_prefix}{key}", result, value)
+    """Return a data class with its fields, and those of its parts, set by key.
+
+    ``prefix`` is the beginning of the keys, and ``label`` that of messages.
+    """
+    for name, key, value, meaning, inner_prefix in fields_of(owner, prefix):
+        result = value if meaning is None else settings.get(key, value)
+        if isinstance(meaning, Choice) and meaning.is_part:
+            result = meaning.chosen(f"{label}{key}", result, value)
         if isinstance(meaning, Choice) and meaning.parameters:
             numbers = _numbers_of(key, settings)
-            result = meaning.with_numbers(f"{message_prefix}{key}", result, numbers)
+            result = meaning.with_numbers(f"{label}{key}", result, numbers)
         if has_settings(result) and name not in updates:
-            mine = _without_single(settings) if name == COMMON else settings
-            result = _changed(result, mine, inner, message_prefix)
+            allowed = _without_single(settings) if name == COMMON else settings
+            result = _changed(result, allowed, inner_prefix, label)
         if result is not value:
             updates[name] = result
     if not updates:
@@ -199,8 +210,8 @@ def _changed(
         return replace(owner, **updates)
     except InputError as error:
         is_named = prefix and f"{error}".startswith(f"{prefix[:-1]}: ")
-        label = message_prefix if is_named else f"{message_prefix}{prefix}"
-        raise InputError(f"{label}{error}") from None
+        full_label = label if is_named else f"{label}{prefix}"
+        raise InputError(f"{full_label}{error}") from None
 
 
 def _numbers_of(key: str, settings: Mapping[str, Any]) -> dict[str, Any]:

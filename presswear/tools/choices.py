@@ -58,7 +58,7 @@ class Choice:
             return ()
         if value not in self.words and set(value) <= set(self.words):
             return tuple(value)
-        return tuple(part.strip() for part in value.split(","))
+        return tuple(word.strip() for word in value.split(","))
 
     def allowed(self) -> tuple[str, ...]:
         """Return the allowed values in words."""
@@ -83,7 +83,12 @@ class Choice:
         return value
 
     def chosen(self, name: str, value: Any, before: Any) -> Any:
-        """Return the field value as ``convert`` does, with the fields that stay as before."""
+        """Return the field value as ``convert`` does, with the fields that stay as before.
+
+        The value ``before`` is returned if it is that of the word.
+        """
+        if value is before or value == self.shown(before):
+            return before
         result = self.convert(name, value)
         is_word = isinstance(value, str)
         return self._with_fields_that_stay(result, before) if is_word else result
@@ -143,9 +148,9 @@ class Choice:
         if isinstance(value, str):
             if self.example or value in self.words:
                 return
-            parts = self.split(value) if self.several else ()
-            are_distinct = len(set(parts)) == len(parts)
-            if parts and are_distinct and set(parts) <= set(self.words[:-1]):
+            words = self.split(value) if self.several else ()
+            are_distinct = len(set(words)) == len(words)
+            if words and are_distinct and set(words) <= set(self.words[:-1]):
                 return
         if self.example:
             raise InputError(f"{name} = {shown(value)}: a text is expected")
