@@ -78,10 +78,6 @@ def land(onset: Array, before: Array, now: Array) -> bool:
     return changed
 
 
-def contact_store() -> tuple[Array, Array]:
-    return np.full(2, OPEN), np.zeros((2, 2, 2))
-
-
 class _Contacts:
     """Generalized forces on JOINTS, and the closing speeds stored between steps."""
 
@@ -90,7 +86,8 @@ class _Contacts:
         p = press[0]
         self.q = np.array([p["start_7"], y[0] - p["start_7"], y[1] - y[0], y[2], y[3]])
         self.v = np.array([p["speed"], y[4] - p["speed"], y[5] - y[4], y[6], y[7]])
-        self.onset, self.gaps = contact_store()
+        self.onset = np.full(2, OPEN)
+        self.gaps = np.zeros((2, 2, 2))
         self._fixed = (self.onset, np.zeros(20), self.gaps[1], np.zeros(5))
         self._press = press
         self._kernel = specialised(

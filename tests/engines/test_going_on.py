@@ -60,27 +60,20 @@ class Case:
 
 
 CASES = {
-    "open tree": Case(changed(wear_times(), {**FAST, "engine": "exudyn-tree"}), 3),
-    "open tree from a moving plate": Case(changed(clearance_c(), FAST), 3),
+    "open tree": Case(wear_times(**FAST, engine="exudyn-tree"), 3),
+    "open tree from a moving plate": Case(clearance_c(**FAST), 3),
     "open tree with a loose rod": Case(replace(slider_crank(), joints="AB"), 3),
-    "in-house, order 8": Case(changed(wear_times(), {**FAST, "engine": "dae"}), 4),
+    "in-house, order 8": Case(wear_times(**FAST, engine="dae"), 4),
     "in-house, equal steps": Case(
-        changed(
-            wear_times(),
-            {**FAST, "engine": "dae", "integrator": "rk4", "equal_step": "2us"},
-        ),
+        wear_times(**FAST, engine="dae", integrator="rk4", equal_step="2us"),
         3,
     ),
     "bodies and joints, a crank left out": Case(
-        changed(
-            wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}
-        ),
+        wear_times(speed="120rad/s", engine="exudyn-joints", **COARSE),
         2,
     ),
     "bodies and joints, a plate left out": Case(
-        changed(
-            clearance_c(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}
-        ),
+        clearance_c(speed="120rad/s", engine="exudyn-joints", **COARSE),
         2,
     ),
     "in-house, rigid joints that rub": Case(
@@ -105,21 +98,17 @@ CASES = {
         for engine in ("dae", "exudyn-tree", "exudyn-joints")
     },
     **{
-        f"oiled pin, {engine}": Case(
-            changed(slider_crank(), {"engine": engine, **OILED}), 2
-        )
+        f"oiled pin, {engine}": Case(slider_crank(engine=engine, **OILED), 2)
         for engine in ("dae", "exudyn-tree", "exudyn-joints")
     },
     **{
         f"motor, servo and elastic frame, {engine}": Case(
-            changed(press_hybrid(), {"engine": engine, **ON_FRAME}),
+            press_hybrid(engine=engine, **ON_FRAME),
             2,
         )
         for engine in ("dae", "exudyn-tree")
     },
-    "bodies and joints": Case(
-        changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2
-    ),
+    "bodies and joints": Case(slider_crank(engine="exudyn-joints", **COARSE), 2),
 }
 
 

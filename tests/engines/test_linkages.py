@@ -70,41 +70,45 @@ SPRUNG = PUMP.changed(
     loads=[Load("slider", 3.0, -2.0), Load("rod", 0.0, 1.0, 0.2)],
 )
 LOOSE = Bearing(clearance=0.8e-3)
-_scene = partial(Scene, engine="exudyn", conventions=CONVENTIONS["paper"])
+_scene = partial(
+    Scene,
+    engine="exudyn",
+    conventions=CONVENTIONS["paper"],
+    bearings=TIGHT,
+    wear_updates=0,
+)
 # Linkages, and a time between the tenth touch and the one behind it, s
 SCENES = {
     "press, loads of all kinds": (
-        _scene(mechanism=LOADED, joints="A,C", bearings=LOOSE, wear_updates=0),
+        _scene(LOADED, joints="A,C", bearings=LOOSE),
         0.01972,
     ),
     "slider, springs and loads": (
-        _scene(mechanism=SPRUNG, joints="D", bearings=TIGHT, wear_updates=0),
+        _scene(SPRUNG, joints="D"),
         0.03607,
     ),
     "driven forearm": (
-        _scene(mechanism=ARM, joints="K", bearings=TIGHT, wear_updates=0),
+        _scene(ARM, joints="K"),
         0.04774,
     ),
     "loose rocker": (
-        _scene(mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wear_updates=0),
+        _scene(FOUR_BAR, joints="BP"),
         0.01038,
     ),
     "loose pair": (
-        _scene(mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wear_updates=0),
+        _scene(STEPHENSON, joints="CQ"),
         0.03702,
     ),
     "quick return, pivot of the rocker": (
-        _scene(
-            mechanism=skew_quick_return(), joints="O4", bearings=TIGHT, wear_updates=0
-        ),
+        _scene(skew_quick_return(), joints="O4"),
         0.07725,
     ),
     "shaper, crank and ram": (
-        _scene(mechanism=shaper(), joints="A,C", bearings=TIGHT, wear_updates=0),
+        _scene(shaper(), joints="A,C"),
         0.01241,
     ),
     "driven rod in a swinging block": (
-        _scene(mechanism=driven_rod(), joints="B", bearings=TIGHT, wear_updates=0),
+        _scene(driven_rod(), joints="B"),
         0.06576,
     ),
 }

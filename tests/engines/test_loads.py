@@ -54,6 +54,11 @@ def guided(law: Law, gravity: float = 0.0, mass: float = 1.0) -> Linkage:
     )
 
 
+def unit_of(linkage: Linkage) -> Array:
+    direction = linkage.output.direction
+    return np.array([math.cos(direction), math.sin(direction), 0.0])
+
+
 def run(
     engine: Engine,
     linkage: Linkage,
@@ -63,10 +68,8 @@ def run(
     cycles: int = 1,
 ) -> Run:
     """Run a guided mass from a place and a speed along its guide."""
-    along = np.array(
-        [math.cos(linkage.output.direction), math.sin(linkage.output.direction), 0.0]
-    )
-    start = Start(place * along, speed * along)
+    unit = unit_of(linkage)
+    start = Start(place * unit, speed * unit)
     return finished(
         engine.simulate(
             linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1)
@@ -76,8 +79,7 @@ def run(
 
 def along(ran: Run, linkage: Linkage) -> tuple[float, float]:
     """Place and speed along the guide at the end."""
-    direction = linkage.output.direction
-    unit = np.array([math.cos(direction), math.sin(direction), 0.0])
+    unit = unit_of(linkage)
     return float(ran.end.position @ unit), float(ran.end.velocity @ unit)
 
 

@@ -102,17 +102,15 @@ MOTIONS = {
 STEADY = FOUR_BAR.changed(drives=[SERVO])
 
 
-BOUNDS = [
-    ("dae", "none", 1e-7),
-    ("dae", "B", 1e-7),
-    ("exudyn-tree", "B", 1e-7),
-]
+BOUND = 1e-7
 
 
 # The trapezoidal rule has all motions below.
 @pytest.mark.parametrize("name", MOTIONS)
-@pytest.mark.parametrize(("engine", "joints", "bound"), BOUNDS)
-def test_engines_follow_an_uneven_drive(name, engine, joints, bound):
+@pytest.mark.parametrize(
+    ("engine", "joints"), [("dae", "none"), ("dae", "B"), ("exudyn-tree", "B")]
+)
+def test_engines_follow_an_uneven_drive(name, engine, joints):
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
     scene = Scene(mechanism=MOTIONS[name], joints=joints, wear_updates=0, engine=engine)
     period = scene.mechanism.period
@@ -128,11 +126,11 @@ def test_engines_follow_an_uneven_drive(name, engine, joints, bound):
     assert angle[2] < (1e-11 if engine == "dae" else 1e-14)
     assert speed[2] < 1e-9
     if joints == "none":
-        assert angle.max() < bound
-        assert speed.max() < 1e2 * bound
+        assert angle.max() < BOUND
+        assert speed.max() < 1e2 * BOUND
     else:
         residual = energy_residual(run)
-        assert residual < 10.0 * bound * float(run.diagnostics["drive_exchange_J"])
+        assert residual < 10.0 * BOUND * float(run.diagnostics["drive_exchange_J"])
 
 
 @pytest.mark.parametrize("name", MOTIONS)

@@ -36,19 +36,16 @@ def rate_of(scene: pw.Scene, speed: float = TURN) -> float:
     return float(start_of(scene).velocity[2]) / speed
 
 
-@pytest.mark.parametrize("speed", [TURN, -TURN])
-def test_a_line_motor_under_a_constant_moment(speed):
-    """The weight of the crank does no work in a turn."""
-    motor = pw.Motor(**LINE, ratio=RATIO)
-    slip = SLIP * 200.0 / (RATIO * RATED)
-    assert rate_of(braked(200.0, motor, speed), speed) == pytest.approx(
-        1.0 - slip, abs=1e-12
-    )
-
-
-def test_a_specified_no_load_speed():
-    motor = pw.Motor(**LINE, ratio=RATIO, no_load_speed=1.1 * RATIO * TURN)
-    assert rate_of(braked(480.0, motor)) == pytest.approx(1.1 * (1.0 - SLIP), abs=1e-12)
+@pytest.mark.parametrize(
+    ("speed", "ratio", "moment"),
+    [(TURN, 1.0, 200.0), (-TURN, 1.0, 200.0), (TURN, 1.1, 480.0)],
+)
+def test_a_line_motor_under_a_constant_moment(speed, ratio, moment):
+    """``ratio`` is the speed without load; the weight of the crank does no work in a turn."""
+    motor = pw.Motor(**LINE, ratio=RATIO, no_load_speed=ratio * RATIO * TURN)
+    settled = ratio * (1.0 - SLIP * moment / (RATIO * RATED))
+    rate = rate_of(braked(moment, motor, speed), speed)
+    assert rate == pytest.approx(settled, abs=1e-12)
 
 
 def test_an_induction_motor_under_a_constant_moment():

@@ -18,7 +18,6 @@ from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.user_function import UserFunction
 
-TURN = 2.0 * np.pi
 LAWS = """
 import math
 
@@ -131,20 +130,6 @@ def test_a_bush_wears_by_a_law_of_the_pressure(engine):
             assert ours.sum() == pytest.approx(built_in.sum(), rel=bound)
             if bins == archard.size // 2:
                 assert np.abs(archard - built_in).max() > 0.1 * built_in.max()
-
-
-@pytest.mark.parametrize("engine", ["dae", "exudyn-tree", "exudyn-joints"])
-def test_sliding_distance_of_a_bush_is_its_circumference(engine):
-    """A pin that turns once in a cycle, always in contact, and its mean force.
-
-    The contact is half of the penetration inside the radius of the pin, 19 mm.
-    """
-    run = worn(bush(engine=engine), 1e-15, 2).run
-    depth = (100.0 / 1e9) ** (2.0 / 3.0)
-    distance = run.recorder.each_cycle("sliding_distance", 0)[-1]
-    assert distance == pytest.approx(TURN * (0.019 - 0.5 * depth), rel=1e-5)
-    force = run.recorder.each_cycle("load_distance", 0)[-1] / distance
-    assert force == pytest.approx(100.0, rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -332,15 +332,19 @@ def test_quantiles_and_variances_are_those_of_scipy():
     assert found == {True, False}
 
 
-def test_an_estimate_without_interval_says_so():
-    assert f"{statistics.Estimate(21.0, samples=100)}" == "21.0 (no interval)"
-    assert f"{statistics.Estimate(21.0, samples=2)}" == "21.0 (too few cycles)"
-
-
-def test_an_interval_over_a_factor_of_a_hundred_is_not_written():
-    assert f"{statistics.Estimate(21.0, 0.012, 1.1e6, 6)}" == "21.0 (too few cycles)"
-    assert f"{statistics.Estimate(21.0, 3.0, 290.0, 6)}" == "21 (3.0 to 290)"
-    assert f"{statistics.Estimate(21.0, -1.0, 1.1e6, 6)}" == "21 (−1.0 to 1.1·10⁶)"
+@pytest.mark.parametrize(
+    ("estimate", "text"),
+    [
+        (statistics.Estimate(21.0, samples=100), "21.0 (no interval)"),
+        (statistics.Estimate(21.0, samples=2), "21.0 (too few cycles)"),
+        (statistics.Estimate(21.0, 0.012, 1.1e6, 6), "21.0 (too few cycles)"),
+        (statistics.Estimate(21.0, 3.0, 290.0, 6), "21 (3.0 to 290)"),
+        (statistics.Estimate(21.0, -1.0, 1.1e6, 6), "21 (−1.0 to 1.1·10⁶)"),
+    ],
+)
+def test_an_estimate_is_written_with_its_interval(estimate, text):
+    """An interval over a factor of a hundred is not written."""
+    assert f"{estimate}" == text
 
 
 @pytest.mark.parametrize(("count", "first"), [(20, 5), (100, 33), (1000, 90)])
