@@ -18,6 +18,11 @@ from presswear.tools.arrays import Array
 MIN_REFINEMENT = 1.5
 
 
+def finite(value: float) -> float | None:
+    """Return a number, or None for one that is not finite."""
+    return value if math.isfinite(value) else None
+
+
 def scatter_of(scene: Scene) -> float:
     """Return the half width of ln(strokes) by the scatter of the wear coefficients.
 

@@ -6,7 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.campaign.life_estimate import LifeEstimate, estimate_life, scatter_of
+from presswear.campaign.life_estimate import (
+    LifeEstimate,
+    estimate_life,
+    finite,
+    scatter_of,
+)
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
 from presswear.campaign.service_life import LifeProblem
 from presswear.results.life import Ended, LifeResult, LimitResult, RefinementResult
@@ -106,11 +111,6 @@ def _strokes_by_rate(limit: Limit, before: LoadBlock, last: LoadBlock) -> float 
     return last.strokes + strokes * (limit.value - value) / growth
 
 
-def _finite(value: float) -> float | None:
-    """Return a number, or None for one that is not finite."""
-    return value if math.isfinite(value) else None
-
-
 def life_result(
     scene: Scene, problem: LifeProblem, refinements: Refinements
 ) -> LifeResult:
@@ -129,8 +129,8 @@ def life_result(
         ended=ended,
         message=message,
         strokes=life.strokes if math.isfinite(life.strokes) else end.strokes,
-        sampling=_finite(life.sampling),
-        step=_finite(life.step),
+        sampling=finite(life.sampling),
+        step=finite(life.step),
         scatter=scatter_of(scene),
         limits=_limit_results(problem, refinements, life),
         refinements=_refinement_results(problem, refinements, life),
@@ -145,15 +145,10 @@ def _end_without_limit(problem: LifeProblem, last: Refinement) -> tuple[Ended, s
     end = last.blocks[-1]
     if end.ended_by:
         return "worn", end.ended_by
+    none = "no limit is exceeded within"
     if end.strokes >= problem.at_most:
-        return (
-            "at_most",
-            f"no limit is exceeded within {problem.at_most:.4g} strokes",
-        )
-    return (
-        "cycles",
-        f"no limit is exceeded within {last.cycles} cycles of all replicates",
-    )
+        return "at_most", f"{none} {problem.at_most:.4g} strokes"
+    return "cycles", f"{none} {last.cycles} cycles of all replicates"
 
 
 def _limit_results(
@@ -174,9 +169,9 @@ def _limit_results(
                 key=limit.key,
                 unit=limit.unit,
                 value=limit.value,
-                strokes=_finite(limit_life.strokes),
-                sampling=_finite(limit_life.sampling),
-                step=_finite(limit_life.step),
+                strokes=finite(limit_life.strokes),
+                sampling=finite(limit_life.sampling),
+                step=finite(limit_life.step),
                 last=float(value[-1]),
                 last_half_width=float(half_width[-1]),
             )
@@ -201,8 +196,8 @@ def _refinement_results(
             RefinementResult(
                 change=refinement.change,
                 cycles=refinement.cycles,
-                strokes=_finite(strokes),
-                sampling=_finite(error),
+                strokes=finite(strokes),
+                sampling=finite(error),
                 deviations=tuple(map(float, deviations)),
             )
         )

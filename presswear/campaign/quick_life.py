@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.campaign.life_estimate import scatter_of
+from presswear.campaign.life_estimate import finite, scatter_of
 from presswear.campaign.limited_wear import LimitedWear, limited_wear
 from presswear.linkage.guide_corner import GuideCorner
 from presswear.linkage.joints import Guide
@@ -51,10 +51,8 @@ class WearRates:
             joint, _, quantity = key.partition(".")
             if quantity == "wear_volume":
                 rate = wear.scaled(1.0 / self.strokes)
-                half_width = rate.half_width or 0.0
-                rates.append(
-                    WearRate(joint, surfaces, since, until, rate.mean, half_width)
-                )
+                ends = surfaces, since, until
+                rates.append(WearRate(joint, *ends, rate.mean, rate.half_width or 0.0))
         return tuple(rates)
 
 
@@ -87,14 +85,11 @@ def _wear_of_walls(guide: Guide, stage: StageResult) -> dict[str, Estimate]:
 
 def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     """Return the life by the rates of the new surfaces and of those of the last stage."""
-    assert scene.life is not None
     worn = rates_of(scene, stage)
-    limits = tuple(
-        _limit(scene, limit, new, worn, stage) for limit in scene.life_limits
-    )
-    reached = [limit.strokes for limit in limits if limit.strokes is not None]
-    strokes = min(reached, default=new.strokes)
-    first = next((limit for limit in limits if limit.strokes == strokes), None)
+    limits = [_limit(scene, limit, new, worn, stage) for limit in scene.life_limits]
+    reached = [limit for limit in limits if limit.strokes is not None]
+    first = min(reached, key=lambda limit: limit.strokes or 0.0, default=None)
+    strokes = new.strokes if first is None else first.strokes or 0.0
     depths = []
     for name in scene.wearing_joints:
         rates = [surfaces.depth_text(name) for surfaces in (new, worn)]
@@ -106,15 +101,14 @@ def quick_life(scene: Scene, new: WearRates, stage: StageResult) -> LifeResult:
     )
     wear_rates = new.of_joints(NEW, 0.0, new.strokes)
     wear_rates += worn.of_joints(WORN, new.strokes, max(strokes, new.strokes))
-    sampling = first.sampling if first else None
     return LifeResult(
         QUICK,
         message,
         strokes,
-        sampling,
+        sampling=first.sampling if first else None,
         step=None,
         scatter=scatter_of(scene),
-        limits=limits,
+        limits=tuple(limits),
         refinements=(),
         wear_rates=wear_rates,
     )
@@ -143,13 +137,12 @@ def _limit(
     )
     if limit.name == "tilt" and isinstance(wear.joint, GuideCorner):
         level = tilt_between(wear.joint, depth)
-    is_reached = math.isfinite(strokes)
     return LimitResult(
         key=limit.key,
         unit=limit.unit,
         value=limit.value,
-        strokes=strokes if is_reached else None,
-        sampling=sampling if is_reached and math.isfinite(sampling) else None,
+        strokes=finite(strokes),
+        sampling=finite(sampling) if math.isfinite(strokes) else None,
         step=None,
         last=level,
         last_half_width=new.wear[limit.key].half_width,

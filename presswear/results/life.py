@@ -160,16 +160,14 @@ class LifeResult:
             return f"no life is known: {self.message}; reached: {', '.join(reached)}"
         total = span_of(self.strokes, self.total_error)
         scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
-        limit = (
-            f"{words_of(first.key)} is over {quantity_text(first.value, first.unit)}"
-            + in_diameter(first.key, first.value)
+        value = quantity_text(first.value, first.unit)
+        limit = f"{value}{in_diameter(first.key, first.value)}"
+        line = (
+            f"life: {self.words} until {words_of(first.key)} is over {limit}{scatter}"
         )
-        line = f"life: {self.words} until {limit}{scatter}"
-        return (
-            f"{self.ended} {line}; {self.message}"
-            if self.ended in WITHOUT_CURVES
-            else line
-        )
+        if self.ended in WITHOUT_CURVES:
+            return f"{self.ended} {line}; {self.message}"
+        return line
 
 
 def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:

@@ -52,11 +52,11 @@ def analyze(
         if plan.sample:
             notes.append(f"{error}.")
     spread = None
-    keys = [column.key for column in points.parameters]
+    sampled = plan.distributions
     distributions = [
-        plan.distributions[key] for key in keys if key in plan.distributions
+        sampled[column.key] for column in points.parameters if column.key in sampled
     ]
-    if len(distributions) == len(keys):
+    if len(distributions) == len(points.parameters):
         if surrogate is not None:
             reason = surrogate.outside(distributions)
             if reason:
@@ -95,5 +95,5 @@ def _point_notes(points: Points, key: str) -> list[str]:
 
 def percent_text(share: tuple[float, float, float]) -> str:
     """Return a share and its interval in per cent."""
-    value, low, high = (readable(100.0 * part) for part in share)
+    value, low, high = (readable(100.0 * number) for number in share)
     return f"{value} % ({low} to {high} %)"

@@ -89,16 +89,16 @@ class Group:
 def column_of(setting: Setting, choices: tuple[str, ...] = ()) -> Column:
     """Return the column of a setting."""
     meaning = setting.meaning
-    whole = isinstance(meaning, Quantity) and meaning.whole
-    return Column(setting.key, meaning.unit, meaning.text, choices, whole)
+    is_whole = isinstance(meaning, Quantity) and meaning.whole
+    return Column(setting.key, meaning.unit, meaning.text, choices, is_whole)
 
 
 def parse_group(scene: Scene, text: str) -> Group:
     """Read one ``--vary`` option; `InputError` if a value is missing, repeated or out of range."""
     columns = []
     rows = []
-    for part in text.split(TOGETHER):
-        key, _, listed = (word.strip() for word in part.partition("="))
+    for assignment in text.split(TOGETHER):
+        key, _, listed = map(str.strip, assignment.partition("="))
         if not listed:
             raise InputError(
                 f"vary {text}: expected KEY=VALUES, such as friction=0.02,0.05"
@@ -108,8 +108,8 @@ def parse_group(scene: Scene, text: str) -> Group:
         if isinstance(setting.meaning, Quantity):
             values = values_of(key, listed, setting.meaning)
         else:
-            choices = tuple(word.strip() for word in listed.split(","))
-            values = [float(index) for index in range(len(choices))]
+            choices = tuple(map(str.strip, listed.split(",")))
+            values = list(map(float, range(len(choices))))
             for word in choices:
                 setting.meaning.check(key, word)
         if len(set(choices or values)) < len(values) and TOGETHER not in text:
@@ -135,21 +135,20 @@ def texts_of(scene: Scene, vary: Mapping[str, object]) -> tuple[str, ...]:
         if isinstance(values, str):
             texts.append(f"{key}={values}")
             continue
-        keys = [word.strip() for word in key.split(TOGETHER)]
+        keys = list(map(str.strip, key.split(TOGETHER)))
         rows = np.array(values, dtype=object)
         width = (len(keys),) if len(keys) > 1 else ()
         if rows.ndim == 0 or rows.size == 0 or rows.shape[1:] != width:
-            listed = (
-                f"a list of rows of {len(keys)} values" if width else "a list of values"
+            expected = f"rows of {len(keys)} values" if width else "values"
+            raise InputError(
+                f"{key} = {shown(values)}: expected a text or a list of {expected}"
             )
-            raise InputError(f"{key} = {shown(values)}: expected a text or {listed}")
-        parts = []
+        assignments = []
         for name, column in zip(keys, rows.reshape(len(rows), -1).T, strict=True):
             setting = setting_of(scene, name)
-            parts.append(
-                f"{name}={','.join(_value_text(setting, value) for value in column)}"
-            )
-        texts.append(f" {TOGETHER} ".join(parts))
+            listed = ",".join(_value_text(setting, value) for value in column)
+            assignments.append(f"{name}={listed}")
+        texts.append(f" {TOGETHER} ".join(assignments))
     return tuple(texts)
 
 
@@ -199,7 +198,8 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     weight after a comma. `InputError` if the text is not a distribution, or more than
     `MAX_CUT` of it is out of range.
     """
-    if fit := fit_of(text):
+    fit = fit_of(text)
+    if fit:
         if fit.diameter is None:
             raise InputError(
                 f"{key} = {text}: a fit with its diameter is expected, such as 110 H8/f7"
@@ -220,9 +220,11 @@ def parse_distribution(text: str, key: str, meaning: Quantity) -> Distribution:
     high = float(frozen.cdf(meaning.high))
     outside = low + (1.0 - high)
     if outside > MAX_CUT:
-        part = f"{100.0 * outside:.3g} % of it lies outside the allowed range"
         allowed = f"{meaning.range_text()}; at most {100.0 * MAX_CUT:g} % may"
-        raise InputError(f"{key} = {text!r}: {part} {allowed}")
+        raise InputError(
+            f"{key} = {text!r}: {100.0 * outside:.3g} % of it lies outside the allowed "
+            f"range {allowed}"
+        )
     return Distribution(text.strip(), frozen, low, high)
 
 
@@ -231,7 +233,7 @@ def _kind_and_arguments(text: str, key: str) -> tuple[str, list[str]]:
 
     A range such as ``1:2`` is uniform.
     """
-    kind, bracket, rest = (part.strip() for part in text.strip().partition("("))
+    kind, bracket, rest = map(str.strip, text.strip().partition("("))
     if not bracket and ":" in text:
         kind = "uniform"
         bracket = "("
@@ -245,7 +247,7 @@ def _kind_and_arguments(text: str, key: str) -> tuple[str, list[str]]:
         raise InputError(
             f"{key} = {text!r}: expected a range such as 1:2 or one of {kinds}"
         )
-    return kind, [word.strip() for word in rest[:-1].split(",")]
+    return kind, list(map(str.strip, rest[:-1].split(",")))
 
 
 def _frozen(kind: str, key: str, meaning: Quantity, text: str, spread: str) -> Any:
@@ -288,9 +290,8 @@ def _discrete(file: Path, key: str, meaning: Quantity) -> Any:
 
     rows = []
     for number, line in enumerate(read_text(file).splitlines(), start=1):
-        value, _, share = (
-            part.strip() for part in line.partition("#")[0].partition(",")
-        )
+        without_comment = line.partition("#")[0]
+        value, _, share = map(str.strip, without_comment.partition(","))
         if not value:
             continue
         try:

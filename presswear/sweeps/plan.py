@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import compress
+from itertools import chain, compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -114,7 +114,7 @@ class Plan:
         # A key with a dot, such as process.force, exists only with a kind of process. Keys
         # without a dot, such as process, are therefore read first.
         groups: dict[str, Group] = {}
-        for text in sorted(self.vary, key=_has_dot):
+        for text in sorted(self.vary, key=lambda text: "." in text.partition("=")[0]):
             scene = _with_words(self.scene, groups.values())
             groups[text] = parse_group(scene, text)
         return tuple(groups[text] for text in self.vary)
@@ -144,7 +144,7 @@ class Plan:
     @property
     def columns(self) -> tuple[Column, ...]:
         """Parameters, in the order of the coordinates of a point."""
-        return tuple(column for group in self.groups for column in group.columns)
+        return tuple(chain.from_iterable(group.columns for group in self.groups))
 
     @cached_property
     def points(self) -> Array:
@@ -192,11 +192,9 @@ class Plan:
 
     def identity(self, row: int) -> str:
         """Return a text that is equal for equal rows, without making the scene of the row."""
-        base, values = self._base
-        changes = {}
-        for key, value in self.settings(row).items():
-            if (key, value) not in values:  # else the scene has this value already
-                changes[key] = value
+        base, present = self._base
+        settings = self.settings(row).items()
+        changes = {key: value for key, value in settings if (key, value) not in present}
         return json.dumps([base, changes], sort_keys=True)
 
     @cached_property
@@ -228,16 +226,11 @@ class Plan:
         return Plan(**{**data, "scene": Scene.from_dict(data["scene"])})
 
 
-def _has_dot(text: str) -> bool:
-    """Return whether the key of a parameter, ``KEY=VALUES``, has a dot."""
-    key, _, _ = text.partition("=")
-    return "." in key
-
-
 def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
     """Return the scene with the first word of each parameter that is not a number."""
-    columns = [column for group in groups for column in group.columns if column.choices]
-    return changed(scene, {column.key: column.choices[0] for column in columns})
+    columns = chain.from_iterable(group.columns for group in groups)
+    words = {column.key: column.choices[0] for column in columns if column.choices}
+    return changed(scene, words)
 
 
 def _with_requested_wear(scene: Scene) -> Scene:
@@ -313,18 +306,14 @@ class Table:
         """Return the rows at which the last parameters have some values, without these columns."""
         count = len(values)
         rows = (self.points[:, -count:] == values).all(axis=1)
-        errors = tuple(compress(self.errors, rows))
-        points = self.points[rows, :-count]
-        return Table(
-            self.parameters[:-count],
-            self.responses,
-            points,
-            self.values[rows],
-            self.half_widths[rows],
-            self.censored[rows],
-            errors,
-            self.replicates,
-            self.freedom,
+        return replace(
+            self,
+            parameters=self.parameters[:-count],
+            points=self.points[rows, :-count],
+            values=self.values[rows],
+            half_widths=self.half_widths[rows],
+            censored=self.censored[rows],
+            errors=tuple(compress(self.errors, rows)),
         )
 
     def columns(self) -> dict[str, list[Any]]:
@@ -406,4 +395,5 @@ def _csv_cell(value: Any) -> Any:
     """Return a value as it is written to CSV: 0 or 1 for a truth value, empty for NaN."""
     if isinstance(value, bool):
         return int(value)
-    return "" if isinstance(value, float) and math.isnan(value) else value
+    is_missing = isinstance(value, float) and math.isnan(value)
+    return "" if is_missing else value

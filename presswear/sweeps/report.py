@@ -42,16 +42,16 @@ def write_report(
     sections: list[Section] = []
     answers = []
     numbers = []
-    for number, (name, part) in enumerate(_parts(table, plan).items()):
-        part_folder = [f"{number}"] if name else []
-        figure_folder = inside(folder, "figures", *part_folder)
+    for number, (name, rows) in enumerate(_divided(table, plan).items()):
+        subfolder = [f"{number}"] if name else []
+        figure_folder = inside(folder, "figures", *subfolder)
         place = f" at {name}" if name else ""
         start = f"At {name}: " if name else ""
         files = []
         for column in table.responses:
-            if not np.isfinite(part.values[:, part.index(column.key)]).any():
+            if not np.isfinite(rows.values[:, rows.index(column.key)]).any():
                 continue
-            analysis = analyze(part, column.key, plan, limits.get(column.key))
+            analysis = analyze(rows, column.key, plan, limits.get(column.key))
             label = f"{column.key}{place}"
             answers += [f"{start}{line}" for line in findings(analysis)]
             if analysis.points.means[analysis.points.has_value].any():
@@ -133,7 +133,7 @@ def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     return page.KeyNumber(name, f"{low} to {high} {shown.unit}".strip(), "", meaning)
 
 
-def _parts(table: Table, plan: Plan) -> dict[str, Table]:
+def _divided(table: Table, plan: Plan) -> dict[str, Table]:
     """Return the table by name, divided by the varied values that samples are combined with.
 
     The name is empty if the table is not divided.
@@ -266,7 +266,7 @@ def _ranges(
             remark = f"{int(table.censored[:, k].sum())} lower bounds"
         count = len(np.unique(finite)) if table is None else len(finite)
         ends = np.quantile(finite, (0.0, 0.5, 1.0)) if finite.size else [math.nan] * 3
-        texts = ("" if column.choices else shown.text(value) for value in ends)
+        texts = [""] * len(ends) if column.choices else map(shown.text, ends)
         lines.append((column.key, column.text, whole(count), *texts, remark))
     head = ("name", "meaning", "values", "lowest", "median", "highest", "remark")
     return page.plain_table(head, lines, numeric=False)

@@ -39,7 +39,7 @@ def parse_limits(
     columns = {column.key: column for column in responses}
     for text in texts:
         sign = ">=" if ">=" in text else "<="
-        key, _, value = (part.strip() for part in text.partition(sign))
+        key, _, value = map(str.strip, text.partition(sign))
         if not value:
             example = "RESPONSE>=VALUE or RESPONSE<=VALUE, such as life>=2e6"
             raise InputError(f"limit {text}: expected {example}")

@@ -52,8 +52,8 @@ def depth(place: Place) -> Response:
     earlier = _earlier_statistics(place)
     if len(earlier) != 1 or place.result.scene.surfaces:
         return Response(value)
-    peaks = earlier[0].wear_peaks
-    return Response(value, peaks[side].depth.half_width if side in peaks else None)
+    peak = earlier[0].wear_peaks.get(side)
+    return Response(value, peak.depth.half_width if peak else None)
 
 
 def worn_volume_of(place: Place) -> Response:
@@ -79,7 +79,9 @@ def wear_rate(place: Place) -> Estimate | None:
 def bdc_drift(place: Place) -> Estimate | Response | None:
     """Return the change of the mean height of bottom dead centre from the unworn stage."""
     change = rise(place.stage, place.result.stages[0])
-    return Response(0.0, 0.0) if change and place.stage.index == 0 else change
+    if change is not None and place.stage.index == 0:
+        return Response(0.0, 0.0)
+    return change
 
 
 def clearance(place: Place) -> Response:

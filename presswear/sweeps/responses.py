@@ -232,16 +232,16 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
     columns = []
     optional = []
     functions = []
-    for item in responses or in_table:
-        if isinstance(item, str):
-            name, column = _named_response(item, scene, offered)
+    for response in responses or in_table:
+        if isinstance(response, str):
+            name, column = _named_response(response, scene, offered)
             columns.append(column)
             if offered[name].optional and name not in optional:
                 optional.append(name)
         else:
-            summary = (inspect.getdoc(item) or "").partition("\n")[0]
-            columns.append(Column(item.__name__, "", summary))
-            functions.append(item)
+            summary = (inspect.getdoc(response) or "").partition("\n")[0]
+            columns.append(Column(response.__name__, "", summary))
+            functions.append(response)
     for name, count in Counter(column.key for column in columns).items():
         if count > 1:
             raise InputError(f"response {name} is repeated")
@@ -250,16 +250,16 @@ def request(scene: Scene, responses: Sequence[str | User] = ()) -> Requested:
 
 
 def _named_response(
-    item: str, scene: Scene, offered: Mapping[str, Definition]
+    text: str, scene: Scene, offered: Mapping[str, Definition]
 ) -> tuple[str, Column]:
     """Return the name and the column of a response NAME or NAME@STAGE."""
-    name, _, stage = item.strip().partition("@")
+    name, _, stage = text.strip().partition("@")
     if name not in offered:
         raise unknown("response", name, offered)
     definition = offered[name]
     key = name
-    if "@" in item:
-        _check_stage(item, stage, definition, scene)
+    if "@" in text:
+        _check_stage(text, stage, definition, scene)
         key = f"{name}@{int(stage)}"
     if _is_zero(scene, name):
         raise InputError(
@@ -276,16 +276,16 @@ def _is_zero(scene: Scene, name: str) -> bool:
     return is_of_worn and scene.wear_updates == 0 and not scene.surfaces
 
 
-def _check_stage(item: str, stage: str, definition: Definition, scene: Scene) -> None:
+def _check_stage(text: str, stage: str, definition: Definition, scene: Scene) -> None:
     """Raise InputError unless a stage of a requested response exists."""
     is_number = stage.isascii() and stage.isdigit()
     if definition.scope == "result" or not is_number:
         raise InputError(
-            f"response {item}: expected NAME or NAME@STAGE, with a stage from 0"
+            f"response {text}: expected NAME or NAME@STAGE, with a stage from 0"
         )
     if int(stage) > scene.wear_updates:
         allowed = f"0 to wear_updates = {scene.wear_updates}"
-        raise InputError(f"response {item}: the stage must be {allowed}")
+        raise InputError(f"response {text}: the stage must be {allowed}")
 
 
 def freedom_of(scene: Scene, key: str) -> float:

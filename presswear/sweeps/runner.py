@@ -271,7 +271,8 @@ class _Rows:
     def progress(self, count: int, slots: int) -> Progress:
         """Return the progress of a sweep of ``count`` rows."""
         failed = sum(bool(outcome.error) for outcome in self._completed)
-        seconds = [each.seconds for each in self._completed if each.seconds > 0.0]
+        durations = [outcome.seconds for outcome in self._completed]
+        seconds = [duration for duration in durations if duration > 0.0]
         median = statistics.median(seconds or [0.0])
         return Progress(count, len(self._completed), failed, slots, median)
 
@@ -400,22 +401,19 @@ def _dask_executor(
     for name in ("distributed", "tornado", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set({"distributed.comm.timeouts.connect": f"{CONNECT}s"}):
+        server = f"tcp://{address}" if address else None
         try:
-            client = Client(
-                f"tcp://{address}" if address else None, timeout=CONNECT, **local
-            )
+            client = Client(server, timeout=CONNECT, **local)
         except (OSError, TimeoutError, ValueError) as error:
-            fault = (
-                f"no scheduler answers within {CONNECT:g} s ({type(error).__name__})"
-            )
-            raise InputError(f"on = {on}: {fault}") from None
+            raise InputError(
+                f"on = {on}: no scheduler answers within {CONNECT:g} s "
+                f"({type(error).__name__})"
+            ) from None
         try:
             if local:
                 notify(f"Dask dashboard at {client.dashboard_link}")
-            yield (
-                client.get_executor(pure=False),
-                max(sum(client.nthreads().values()), 1),
-            )
+            slots = max(sum(client.nthreads().values()), 1)
+            yield client.get_executor(pure=False), slots
         finally:
             with suppress(Exception):  # the scheduler may be gone
                 client.close(timeout=CLOSE)

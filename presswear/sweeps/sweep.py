@@ -107,7 +107,8 @@ class Sweep:
                 continue
             errors.append(outcome.error)
             for k, key in enumerate(keys):
-                if response := outcome.values.get(key):
+                response = outcome.values.get(key)
+                if response:
                     numbers[:, row, k] = np.array(response, float)  # None becomes NaN
         values, half_widths, is_censored = numbers
         return Table(
