@@ -25,7 +25,7 @@ from presswear.analysis.kicks import (
     least_kicks,
     states_of,
 )
-from presswear.analysis.starts import SpreadStarts, crossing_speeds, spread_starts
+from presswear.analysis.pins import SpreadStarts, crossing_speeds, spread_starts
 from presswear.engines.base import Plan, Start
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.recording.observer import Observer
@@ -264,80 +264,80 @@ def compute(
         ideals = [initial_state(variant) for variant in scenes]
         count = min(jobs or cores(), watch.starts * len(scenes))
         with Workers(count, (__name__,)) as workers:
-            _run_starts(workers, stored, scenes, ideals, watch, on_progress)
-            _run_all_kicks(workers, stored, scenes, ideals, on_progress)
+            computation = _Computation(workers, stored, scenes, ideals, on_progress)
+            computation.run_starts(watch)
+            computation.run_kicks()
     return load(folder)
 
 
-def _run_starts(
-    workers: Workers,
-    stored: _Folder,
-    scenes: Sequence[Scene],
-    ideals: Sequence[Start],
-    watch: Watch,
-    on_progress: Callable[[str, float], None],
-) -> None:
-    work: dict[int, Any] = {}
-    for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
-        starts = spread_starts(scene, watch.starts)
-        for index in range(watch.starts):
-            if (value, index) not in stored.rows:
-                key = value * watch.starts + index
-                work[key] = partial(
-                    run_start, scene, starts, index, watch.cycles, ideal
-                )
-    total = watch.starts * len(scenes)
-    remaining = len(work)
+@dataclass(frozen=True)
+class _Computation:
+    """Runs and kicks that a folder lacks."""
 
-    def progress(*_: Any) -> None:
-        done = total - remaining
-        on_progress(
-            f"start {min(done + 1, total)} of {total}", STARTS_SHARE * done / total
-        )
+    workers: Workers
+    stored: _Folder
+    scenes: Sequence[Scene]  # by value of the parameter
+    ideals: Sequence[Start]  # initial states of these scenes without clearance
+    on_progress: Callable[[str, float], None]
 
-    def finish(key: int, row: Any) -> Mapping[int, Any]:
-        nonlocal remaining
-        remaining -= 1
-        stored.add_row(key // watch.starts, row)
-        progress()
-        return {}
+    def run_starts(self, watch: Watch) -> None:
+        """Run from all starts that are not stored."""
+        work: dict[int, Any] = {}
+        for value, scene in enumerate(self.scenes):
+            starts = spread_starts(scene, watch.starts)
+            for index in range(watch.starts):
+                if (value, index) not in self.stored.rows:
+                    arguments = scene, starts, index, watch.cycles, self.ideals[value]
+                    work[value * watch.starts + index] = partial(run_start, *arguments)
+        total = watch.starts * len(self.scenes)
+        remaining = len(work)
 
-    workers.run(work, finish, progress)
+        def progress(*_: Any) -> None:
+            done = total - remaining
+            text = f"start {min(done + 1, total)} of {total}"
+            self.on_progress(text, STARTS_SHARE * done / total)
 
+        def finish(key: int, row: Any) -> Mapping[int, Any]:
+            nonlocal remaining
+            remaining -= 1
+            self.stored.add_row(key // watch.starts, row)
+            progress()
+            return {}
 
-def _run_all_kicks(
-    workers: Workers,
-    stored: _Folder,
-    scenes: Sequence[Scene],
-    ideals: Sequence[Start],
-    on_progress: Callable[[str, float], None],
-) -> None:
-    work: dict[int, Any] = {}
-    keys: list[tuple[int, int]] = []  # value and first start of each motion
-    for value, (scene, ideal) in enumerate(zip(scenes, ideals, strict=True)):
-        settled = stored.settled(value, scene.clearance_joints, None)
-        motions = settled.motions if settled else ()
-        regular = [motion for motion in motions if motion.period is not None]
-        for motion in regular[:KICKED]:
-            assert settled is not None
-            runs = np.array(settled.runs[list(motion.runs[:STATES])])
-            key = value, int(runs["index"][0])
-            if key not in stored.kicks:
-                work[len(keys)] = partial(run_kicks, scene, runs, ideal)
-                keys.append(key)
-    shares = dict.fromkeys(work, 0.0)
+        self.workers.run(work, finish, progress)
 
-    def progress(number: int, share: float, *_: Any) -> None:
-        shares[number] = 0.0 if math.isnan(share) else share
-        done = sum(shares.values()) / len(shares)
-        on_progress("kicks", STARTS_SHARE + (1.0 - STARTS_SHARE) * done)
+    def run_kicks(self) -> None:
+        """Try the kicks of the final motions that are not stored."""
+        work: dict[int, Any] = {}
+        keys: list[tuple[int, int]] = []  # value and first start of each motion
+        for value, scene in enumerate(self.scenes):
+            settled = self.stored.settled(value, scene.clearance_joints, None)
+            if settled is None:
+                continue
+            regular = [
+                motion for motion in settled.motions if motion.period is not None
+            ]
+            for motion in regular[:KICKED]:
+                runs = np.array(settled.runs[list(motion.runs[:STATES])])
+                key = value, int(runs["index"][0])
+                if key not in self.stored.kicks:
+                    work[len(keys)] = partial(
+                        run_kicks, scene, runs, self.ideals[value]
+                    )
+                    keys.append(key)
+        shares = dict.fromkeys(work, 0.0)
 
-    def finish(number: int, kicks: Any) -> Mapping[int, Any]:
-        stored.add_kicks(*keys[number], kicks)
-        progress(number, 1.0)
-        return {}
+        def progress(number: int, share: float, *_: Any) -> None:
+            shares[number] = 0.0 if math.isnan(share) else share
+            done = sum(shares.values()) / len(shares)
+            self.on_progress("kicks", STARTS_SHARE + (1.0 - STARTS_SHARE) * done)
 
-    workers.run(work, finish, progress)
+        def finish(number: int, kicks: Any) -> Mapping[int, Any]:
+            self.stored.add_kicks(*keys[number], kicks)
+            progress(number, 1.0)
+            return {}
+
+        self.workers.run(work, finish, progress)
 
 
 def _store_inputs(

@@ -12,7 +12,7 @@ from presswear.scene.settings import changed
 def improve(arguments: argparse.Namespace, console: Console) -> int:
     """Change each joint in one way at a time, and rank the changes."""
     from presswear.sweeps import improve as improvements
-    from presswear.sweeps.improve_report import write_report
+    from presswear.sweeps.improve import write_report
 
     scene = terminal.load_scene(arguments.scene)
     options = {"engine": arguments.engine, "cycles": arguments.cycles}

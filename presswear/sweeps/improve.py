@@ -1,9 +1,10 @@
 """Effects of changed joints on life, peak force and bottom dead centre of a mechanism.
 
 The unchanged mechanism is run, and then the mechanism with each change. A change
-concerns one property of one joint.
+concerns one property of one joint. The report has bars that start at 1, and tables.
 """
 
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,13 +21,16 @@ from presswear.results.frame_load import frame_loads
 from presswear.results.guide_tilt import guide_tilts
 from presswear.results.motor_load import leader_speed
 from presswear.results.result import Result
+from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.show import page
 from presswear.show.figures import style
 from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.page import NOTHING, Section, plain_table
 from presswear.show.stroke_numbers import NEGLIGIBLE
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import name_for
+from presswear.tools.files import inside, name_for, write_bytes
 from presswear.tools.numbers import large, percent, quantity_text, readable
 
 CLEARANCE_FACTOR = 0.5  # changed over present clearance of a joint
@@ -43,6 +47,8 @@ SHOWN = 10  # largest number of changes in a panel of the figure
 MIN_EFFECT = 0.005
 # Least range of the axis on both sides of 1, so that a per cent is not a long bar
 LEAST_RANGE = 0.1
+REPORT = "report.html"
+_HEAD = ("change", "factor", "95 % interval", "verdict")
 BAR = 0.28  # height of a bar with its gap, inches
 # Colour of a change that certainly improves a quantity
 CERTAIN_COLOUR = style.LINES[2][0]
@@ -321,3 +327,47 @@ def _effect(change: str, key: str, value: Estimate, present: Estimate) -> Effect
         factor = ratio(value, present)
         is_better = factor.high is not None and factor.high < 1.0 - MIN_EFFECT
     return Effect(change, factor, is_better)
+
+
+def write_report(improvement: Improvement, scene: Scene, folder: Path) -> Path:
+    """Write ``report.html`` and its figure into the folder of an improvement; return the page."""
+    figures = page.illustrated([improvement.draw()], inside(folder, "figures"))
+    sections = [Section("Factors on each quantity", figures=figures, is_open=True)]
+    for quantity, effects in improvement.effects.items():
+        sections.append(_section(improvement.heading(quantity), effects, folder))
+    if improvement.failures:
+        rows = improvement.failures.items()
+        table = plain_table(("change", "reason"), rows, numeric=False)
+        sections.append(Section("Runs that failed", tables=[("", table)]))
+    text = page.render_page(
+        f"{title_of(scene)}: changes of one joint at a time",
+        page.FirstScreen(),
+        sections,
+        answer=[f"{_capitalized(text)}." for text in improvement.sentences],
+    )
+    file = folder / REPORT
+    write_bytes(file, text.encode())
+    return file
+
+
+def _capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _section(heading: str, effects: list[Effect], folder: Path) -> Section:
+    """Return the section of a quantity, with the command that compares the first change."""
+    rows = []
+    for effect in effects:
+        interval = NOTHING
+        if effect.interval:
+            interval = " to ".join(map(readable, effect.interval))
+        factor = readable(effect.factor.mean)
+        rows.append((effect.change, factor, interval, effect.verdict))
+    table = plain_table(_HEAD, rows, numeric=False)
+    notes = []
+    if effects:
+        plain = shlex.quote(f"{folder / name_for(PLAIN)}")
+        changed = shlex.quote(f"{folder / name_for(effects[0].change)}")
+        command = f"presswear report {plain} {changed}"
+        notes.append(f"Side by side with the first change: {command}")
+    return Section(_capitalized(heading), tables=[("", table)], notes=notes)

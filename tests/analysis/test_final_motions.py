@@ -21,10 +21,14 @@ from presswear.analysis.final_motions import (
     proportion,
 )
 from presswear.analysis.kicks import Kick, least_speed, leaves
-from presswear.analysis.pins import eccentricities, kick_pins
+from presswear.analysis.pins import (
+    crossing_speeds,
+    eccentricities,
+    kick_pins,
+    spread_starts,
+)
 from presswear.analysis.settle import _row as empty_row
 from presswear.analysis.settling_tables import summary, write_tables
-from presswear.analysis.starts import crossing_speeds, spread_starts
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Start
 from presswear.linkage.mechanisms import SliderCrank

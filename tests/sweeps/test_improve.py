@@ -16,8 +16,8 @@ from presswear.sweeps.improve import (
     _effect,
     changes_of,
     improve,
+    write_report,
 )
-from presswear.sweeps.improve_report import write_report
 from presswear.tools.numbers import large
 
 SMALL = {"engine": "dae", "cycles": 3, "replicates": 2, "cycles_per_update": 1e3}
