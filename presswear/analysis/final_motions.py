@@ -168,12 +168,11 @@ def evaluate(
     motions = []
     for group in group_motions(settled_motions):
         rows = tuple(int(settled[k]) for k in group)
-        kicks_of_motion = kicks.get(int(runs.index[rows[0]]))
-        motion = _motion(
-            runs, joints, rows, counted, period=int(np.median(runs.period[list(rows)]))
-        )
-        if kicks_of_motion is not None:
-            motion = replace(motion, kicks=tuple(kicks_of_motion))
+        period = int(np.median(runs.period[list(rows)]))
+        motion = _motion(runs, joints, rows, counted, period)
+        first = int(runs.index[rows[0]])
+        if first in kicks:
+            motion = replace(motion, kicks=tuple(kicks[first]))
         motions.append(motion)
     irregular = tuple(int(k) for k in np.flatnonzero(runs.settled == IRREGULAR))
     if irregular:

@@ -148,10 +148,7 @@ class Flow:
         # Coordinates, rates and states come first in the integrated vector.
         self.indices = np.arange(equations.layout.first_energy)
         self.keeps_onset = np.array(
-            [
-                not joint["always_closed"] and _depends_on_onset(joint["normal"])
-                for joint in self.records.packed.joints
-            ]
+            [_depends_on_onset(joint) for joint in self.records.packed.joints]
         )
         self._arrays = self._context_arrays()
 
@@ -199,8 +196,11 @@ def _initial_distance(linkage: Linkage, equations: Equations, period: float) -> 
     return np.concatenate([coordinates, DISTANCE * scales, onsets])
 
 
-def _depends_on_onset(law: Any) -> bool:
-    """Return whether a normal force depends on the closing speed at touchdown."""
+def _depends_on_onset(joint: Any) -> bool:
+    """Return whether the normal force of a joint depends on its closing speed at touchdown."""
+    if joint["always_closed"]:
+        return False
+    law = joint["normal"]
     depth = 1e-3 * law["clearance"]
     elastic, _ = elastic_of(law, depth)
     rate = 1.0  # m/s

@@ -99,12 +99,8 @@ def motion_rows(settled: FinalMotionsAt) -> tuple[list[str], list[list[str]]]:
     rows = []
     for number, motion in enumerate(settled.motions, 1):
         name = "irregular" if motion.period is None else f"{number}"
-        first = [
-            name,
-            whole(motion.starts),
-            _percent(motion.share),
-            whole(motion.period),
-        ]
+        share = _percent(motion.share)
+        first = [name, whole(motion.starts), share, whole(motion.period)]
         for joint in settled.joints:
             force = motion.peak_force[joint]
             count = motion.contacts[joint]

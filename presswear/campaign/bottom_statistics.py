@@ -92,13 +92,12 @@ def equal_bottoms(ideal: Bottom, delay: Array, resolution: float) -> tuple[float
     They are the minima within ``resolution``, m, of the lowest one, and the minima that
     are nearest to a stroke with one of the delays, s. Empty if there is only one.
     """
-    times = np.array([time for time, _ in ideal.minima])
+    times, heights = np.array(ideal.minima).reshape(-1, 2).T
     if times.size < 2:
         return ()
     nearest = np.abs(delay[:, np.newaxis] - (times - ideal.time)).argmin(axis=1)
-    is_equal = np.array(
-        [height - ideal.height < resolution for _, height in ideal.minima]
-    )
+    is_equal = heights - ideal.height < resolution
     is_equal[nearest] = True
-    equal = times[is_equal]
-    return tuple((equal % ideal.period).tolist()) if equal.size > 1 else ()
+    if is_equal.sum() < 2:
+        return ()
+    return tuple((times[is_equal] % ideal.period).tolist())

@@ -14,20 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from presswear.campaign.replicates import (
-    RunSpec,
-    RunState,
-)
+from presswear.campaign.replicates import RunSpec, RunState
 from presswear.campaign.settled_motions import settling_of
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.recorder import Recorder
 from presswear.recording.settling import Settling
 from presswear.recording.soundness import Finding
-from presswear.recording.statistics import (
-    MapBatches,
-    smoothed_maps,
-)
+from presswear.recording.statistics import MapBatches, smoothed_maps
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -102,12 +96,13 @@ class Ensemble:
 
     def _samples(self, first: int, end: int) -> "Ensemble":
         """Return some runs with the cycles that are samples, and the start-up before them."""
-        runs = [*self.runs]
-        for k, run in enumerate(self.runs):
-            skipped = self.settling.skipped(k) if self.settling else 0
-            if skipped > 0:
-                runs[k] = replace(run, recorder=run.recorder.since(skipped))
-        return replace(self, depth=self.depth[first:end], runs=tuple(runs[first:end]))
+        runs = [*self.runs[first:end]]
+        if self.settling:
+            for k, run in enumerate(runs):
+                skipped = self.settling.skipped(first + k)
+                if skipped > 0:
+                    runs[k] = replace(run, recorder=run.recorder.since(skipped))
+        return replace(self, depth=self.depth[first:end], runs=tuple(runs))
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:

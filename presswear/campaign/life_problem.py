@@ -16,13 +16,10 @@ def problem_of(scene: Scene, life: Life) -> LifeProblem:
     coefficients.
     """
     coefficient = max(_new_coefficient(scene, name) for name in scene.wearing_joints)
-    limits = scene.life_limits
-    services = life.services(
-        scene.loose_pins, [guide.name for guide in scene.worn_guides]
-    )
+    guides = [guide.name for guide in scene.worn_guides]
     return LifeProblem(
-        limits,
-        services,
+        scene.life_limits,
+        life.services(scene.loose_pins, guides),
         life.at_most,
         scene.tolerance,
         life.max_cycles,
@@ -45,7 +42,6 @@ def _new_coefficient(scene: Scene, name: str) -> float:
 def fewest_cycles_of(scene: Scene) -> float:
     """Return the cycles of all replicates that a life takes at least, before anything has run."""
     life = scene.life
-    joints = scene.wearing_joints
     assert life is not None
-    clearances = {name: scene.bearing(name).clearance for name in joints}
+    clearances = {name: scene.bearing(name).clearance for name in scene.wearing_joints}
     return scene.replicate_count * fewest_cycles(problem_of(scene, life), clearances)

@@ -215,14 +215,15 @@ def _fit(blocks: Blocks, key: str, chosen: Chosen) -> Array:
     # A service interval starts with its new state, not with the end of its first block.
     worn = np.append(0.0, np.cumsum(rates * np.diff(strokes)))
     scale = float(worn[-1]) or 1.0
-    has_cycles = np.array([block.cycles > 0 for block in blocks])
-    counts = np.array([block.cycles for block in blocks if block.cycles], dtype=float)
+    cycles = np.array([float(block.cycles) for block in blocks])
+    has_cycles = cycles > 0.0
+    counts = cycles[has_cycles]
     # A sample belongs to the surfaces at the start of its cycle. The mean start of n
     # equal cycles is (1 + 1/n) / 2 of the block before its end.
     worn_in_block = np.diff(worn, prepend=0.0)[has_cycles]
     worn_at_samples = worn[has_cycles] - 0.5 * (1.0 + 1.0 / counts) * worn_in_block
     depths = worn_at_samples / scale
-    rows = np.array([block.samples[key] for block in blocks if block.cycles])
+    rows = np.array([block.samples[key] for block in blocks])[has_cycles]
     weights = np.sqrt(counts)[:, np.newaxis]
     order = _best_order(depths, rows, weights)
     if key == "bdc_drift":  # with order 0 a drift would be exactly zero

@@ -326,10 +326,10 @@ class _RunningPart(Observer):
         unit = self._unit
         if cycles > self._resumed:
             self.arrays = state()
-        is_worn_out = unit.spec.wear and worn_out(
-            self.linkage.clearances, recorder.surface_depth
-        )
-        if is_worn_out or cycles >= unit.part.until:
+        joints = self.linkage.clearances
+        if unit.spec.wear and worn_out(joints, recorder.surface_depth):
+            return True
+        if cycles >= unit.part.until:
             return True
         is_due = clock.perf_counter() - self._started >= unit.duration
         self._is_interrupted = is_due and cycles > self._resumed
@@ -339,7 +339,9 @@ class _RunningPart(Observer):
         arrays = self.arrays
         if run.status == "failed" or arrays is None:
             arrays = named("recorder", run.recorder.save())
-        status = None if self._is_interrupted and run.status != "failed" else run.status
+        status = None
+        if run.status == "failed" or not self._is_interrupted:
+            status = run.status
         return RunState(arrays, status, run.finding, run.end, run.time, run.diagnostics)
 
 

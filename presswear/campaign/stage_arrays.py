@@ -66,15 +66,15 @@ def _output_arrays(recorder: Recorder) -> dict[str, Array]:
     if recorder.has_leader:
         arrays["clock"] = recorder.series("time").copy()
         arrays["nominal_rate"] = recorder.nominal_rates.copy()
-    if recorder.torques.size:
-        arrays["drive_torque"] = recorder.torques.copy()
-    if recorder.stretches.size:
-        arrays["stretch"] = recorder.stretches.copy()
-    if recorder.pin_stretches.size:
-        arrays["pin_stretch"] = recorder.pin_stretches.copy()
+    optional = {
+        "drive_torque": recorder.torques,
+        "stretch": recorder.stretches,
+        "pin_stretch": recorder.pin_stretches,
+    }
     if recorder.turns.size:
-        arrays["drive_angle"] = recorder.turns[:, 0].copy()
-        arrays["drive_speed"] = recorder.turns[:, 1].copy()
+        optional["drive_angle"] = recorder.turns[:, 0]
+        optional["drive_speed"] = recorder.turns[:, 1]
+    arrays |= {name: values.copy() for name, values in optional.items() if values.size}
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
     return arrays
@@ -105,9 +105,8 @@ def _wear_arrays(ensemble: Ensemble, wear: StageWear) -> dict[str, Array]:
         bins[joint.name] = joint.bins
         arrays[f"{joint.name}_wear_batches"] = wear.maps[:, k, :, : joint.bins]
         for i, side in enumerate(SIDES):
-            new_depth = wear.added_depth[k, i, : joint.bins]
             arrays[f"{joint.name}_depth_{side}"] = depth[k, i, : joint.bins]
-            arrays[f"{joint.name}_wear_{side}"] = new_depth
+            arrays[f"{joint.name}_wear_{side}"] = wear.added_depth[k, i, : joint.bins]
     arrays |= wall_arrays(ensemble.linkage, depth, ensemble.together.recorders)
     counts = set(bins.values())
     if len(counts) == 1:

@@ -65,7 +65,7 @@ def _corners(linkage: Linkage) -> dict[str, GuideCorner]:
 
 
 def _map_of(corner: GuideCorner) -> WallMap:
-    assert corner.wall is not None
+    assert corner.wall is not None, "see _corners"
     return corner.wall
 
 

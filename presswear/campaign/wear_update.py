@@ -76,11 +76,10 @@ def initial_depth(scene: Scene) -> Array:
     """Return the depth of the surfaces at the start, shape (replicates, joints, 2, bins), m."""
     joints = scene.linkage().clearances
     depth = np.zeros(map_shape(joints))
-    for sides, joint in zip(depth, joints, strict=True):
-        for side, surface in zip(
-            sides, (joint.bearing_surface, joint.pin_surface), strict=True
-        ):
-            side[: joint.bins] = surface.depth if surface.is_worn else 0.0
+    for k, joint in enumerate(joints):
+        for i, surface in enumerate((joint.bearing_surface, joint.pin_surface)):
+            if surface.is_worn:
+                depth[k, i, : joint.bins] = surface.depth
     return np.repeat(depth[np.newaxis], scene.replicate_count, axis=0)
 
 
@@ -268,23 +267,27 @@ def by_joint(
     joints: Sequence[ClearanceJoint], values: Iterable[float]
 ) -> dict[str, float]:
     """Return numbers by joint."""
-    return dict(zip((joint.name for joint in joints), map(float, values), strict=True))
+    names = [joint.name for joint in joints]
+    return dict(zip(names, map(float, values), strict=True))
 
 
 def by_side(
     joints: Sequence[ClearanceJoint], depths: Array
 ) -> dict[str, dict[str, float]]:
     """Return depths of shape (joints, 2) by joint and side."""
-    rows = (dict(zip(SIDES, map(float, sides), strict=True)) for sides in depths)
-    return dict(zip((joint.name for joint in joints), rows, strict=True))
+    by_name = {}
+    for joint, sides in zip(joints, depths, strict=True):
+        by_name[joint.name] = dict(zip(SIDES, sides.tolist(), strict=True))
+    return by_name
 
 
 def largest_change(joints: Sequence[ClearanceJoint], added_depth: Array) -> float:
     """Return the largest added depth, shape (joints, 2, bins), relative to the clearance."""
-    pairs = zip(joints, added_depth, strict=True)
-    return max(
-        (float(sides.max()) / joint.clearance for joint, sides in pairs), default=0.0
-    )
+    changes = [
+        float(sides.max()) / joint.clearance
+        for joint, sides in zip(joints, added_depth, strict=True)
+    ]
+    return max(changes, default=0.0)
 
 
 def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
@@ -297,20 +300,26 @@ def wear_error(joints: Sequence[ClearanceJoint], update: WearUpdate) -> float:
     if update.coarser is None:
         return math.inf
 
-    def measures(joint: ClearanceJoint, depth: Array) -> tuple[float, float, float]:
-        depth = depth[:, : joint.bins]
-        return worn_volume(joint, depth), float(depth[0].max()), float(depth[1].max())
-
     errors = [0.0]
     for k, joint in enumerate(joints):
-        fine = np.array([measures(joint, depth[k]) for depth in update.added_depth])
-        coarse = np.array([measures(joint, depth[k]) for depth in update.coarser])
-        for values, coarser in zip(fine.T, coarse.T, strict=True):
+        fine = _volume_and_depths(joint, update.added_depth[:, k])
+        coarse = _volume_and_depths(joint, update.coarser[:, k])
+        for values, coarser in zip(fine, coarse, strict=True):
             mean = float(values.mean())
             if mean > 0.0:
                 step = STEP_SAFETY * (mean - float(coarser.mean()))
                 errors.append(math.hypot(half_width(values) or 0.0, step) / mean)
     return max(errors)
+
+
+def _volume_and_depths(joint: ClearanceJoint, depth: Array) -> list[Array]:
+    """Return worn volumes, m^3, and deepest places of bearing and pin, m, each (replicates,).
+
+    ``depth`` are the worn depths, shape (replicates, 2, bins), m.
+    """
+    depth = depth[:, :, : joint.bins]
+    volumes = np.array([worn_volume(joint, sides) for sides in depth])
+    return [volumes, *depth.max(axis=2).T]
 
 
 def stage_spec(scene: Scene, index: int) -> RunSpec:

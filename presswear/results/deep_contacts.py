@@ -146,26 +146,21 @@ def deep_contacts(scene: Scene, stages: Sequence[StageResult]) -> list[str]:
     the eccentricity e and the clearance c. The cosine of half the arc of contact is
     c / (c + penetration). Oiled joints share a sentence, and dry joints another one.
     """
-    deep = {
-        name: ratio
-        for name, ratio in penetrations(scene, stages).items()
-        if ratio > SMALL_CONTACT
-    }
-    oiled = [name for name in deep if scene.bearing(name).has_film]
+    oiled = []
+    dry = {}
+    for name, ratio in penetrations(scene, stages).items():
+        if ratio <= SMALL_CONTACT:
+            continue
+        if scene.bearing(name).has_film:
+            oiled.append(f"{name} by {_depth(scene, name, ratio)}")
+        elif not has_deep_law(scene, name):
+            dry[name] = ratio
     sentences = []
     if oiled:
-        depths = " and joint ".join(
-            f"{name} by {_depth(scene, name, deep[name])}" for name in oiled
-        )
         sentences.append(
-            f"Pin and bearing deform at joint {depths}, while the oil film is that between rigid "
-            "ones: a real film is wider, and its least thickness greater."
+            f"Pin and bearing deform at joint {' and joint '.join(oiled)}, while the oil film is "
+            "that between rigid ones: a real film is wider, and its least thickness greater."
         )
-    dry = {
-        name: ratio
-        for name, ratio in deep.items()
-        if name not in oiled and not has_deep_law(scene, name)
-    }
     if dry:
         sentences.append(_dry_contacts(scene, stages, dry))
     return sentences
@@ -175,14 +170,12 @@ def _dry_contacts(
     scene: Scene, stages: Sequence[StageResult], deep: Mapping[str, float]
 ) -> str:
     """Return sentences on deep contacts without a film, from their relative penetrations."""
-    arcs = {
-        name: math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
-        for name, ratio in deep.items()
-    }
-    places = " and joint ".join(
-        f"{name} by {_depth(scene, name, ratio)}, over {arcs[name]:.0f} degrees"
-        for name, ratio in deep.items()
-    )
+    contacts = []
+    for name, ratio in deep.items():
+        arc = math.degrees(2.0 * math.acos(1.0 / (1.0 + ratio)))
+        depth = _depth(scene, name, ratio)
+        contacts.append(f"{name} by {depth}, over {arc:.0f} degrees")
+    places = " and joint ".join(contacts)
     text = (
         f"Contacts are deep: pins penetrate their bearings at joint {places}. The stiffness is "
         "that of small contacts; here bottom dead centre under load may be wrong, forces less so."
@@ -190,13 +183,12 @@ def _dry_contacts(
     last = next(stage for stage in reversed(stages) if not stage.failed)
     peaks = []
     for name in deep:
-        if name in last.statistics.joints:
-            force = last.statistics.joints[name].peak_force_per_cycle.mean
-            words = ""
-            if force > PRESCRIBED * ideal_force(scene, name):
-                words = _forces_by_law_text(scene, name, force)
-            if words:
-                peaks.append(words)
+        if name not in last.statistics.joints:
+            continue
+        force = last.statistics.joints[name].peak_force_per_cycle.mean
+        if force > PRESCRIBED * ideal_force(scene, name):
+            peaks.append(_forces_by_law_text(scene, name, force))
+    peaks = list(filter(None, peaks))
     if peaks:
         text += " The peak force of an impact of the same elastic energy is, at joint "
         text += f"{'; at joint '.join(peaks)}."

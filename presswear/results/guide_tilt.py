@@ -1,8 +1,7 @@
 """Tilt of a slide in a guide with clearance, in the sampled strokes of a stage."""
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -44,14 +43,16 @@ class GuideTilt:
     force is available.
     """
 
-    touch: Estimate | None  # at the touch of the work; None: no work
-    fracture: Estimate | None  # None: nothing breaks
-    bottom: Estimate | None  # at bottom dead centre of the ideal motion
-    greatest: Estimate | None  # in a stroke
-    time_shares: Mapping[str, Estimate]  # by STATES that occur
-    load_shares: Mapping[str, Estimate]
-    friction_loss: Estimate | None  # in a stroke, J; mean over the sampled cycles
     corner_force: Estimate | None  # greatest normal force of all corners in a cycle, N
+    touch: Estimate | None = None  # at the touch of the work; None: no work
+    fracture: Estimate | None = None  # None: nothing breaks
+    bottom: Estimate | None = None  # at bottom dead centre of the ideal motion
+    greatest: Estimate | None = None  # in a stroke
+    # by STATES that occur
+    time_shares: Mapping[str, Estimate] = field(default_factory=dict)
+    load_shares: Mapping[str, Estimate] = field(default_factory=dict)
+    # in a stroke, J; mean over the sampled cycles
+    friction_loss: Estimate | None = None
 
     @property
     def at_work(self) -> Mapping[str, Estimate]:
@@ -85,24 +86,20 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
     forces_of_cycles = _of_corners(scene, stage, guide, "force_max")
     force = mean_of_strokes(forces_of_cycles.max(axis=1))
     if not stage.has_joint_series:
-        return GuideTilt(
-            touch=None,
-            fracture=None,
-            bottom=None,
-            greatest=None,
-            time_shares={},
-            load_shares={},
-            friction_loss=None,
-            corner_force=force,
-        )
+        return GuideTilt(force)
     strokes = sampled_strokes(scene, stage)
     time = stage.clock
     size = np.abs(tilt_series(stage, guide))
 
     def tilt_at(instants: list[float]) -> Estimate | None:
-        return mean_of_strokes(_value(time, size, instant) for instant in instants)
+        """Return the mean tilt at instants; missing instants are nan."""
+        tilts = np.interp(instants, time, size)
+        return mean_of_strokes(tilts[np.isfinite(instants)])
 
-    greatest = [size[_rows(time, stroke)].max(initial=0.0) for stroke in strokes]
+    greatest = []
+    for stroke in strokes:
+        rows = (time >= stroke.start) & (time <= stroke.end)
+        greatest.append(size[rows].max(initial=0.0))
     joints = [stage.joints[f"{guide.name} {corner}"] for corner in CORNERS]
     friction = scene.bearing(guide.name).friction
     loads = [_load_of(time, joint, friction) for joint in joints]
@@ -112,24 +109,15 @@ def _tilt_of(scene: Scene, stage: StageResult, guide: Guide) -> GuideTilt:
         loss = mean_of_strokes(_loss_in(stroke, loads) for stroke in strokes)
     time_shares, load_shares = _shares(loads, strokes)
     return GuideTilt(
+        corner_force=force,
         touch=tilt_at([stroke.contact for stroke in strokes]),
         fracture=tilt_at([stroke.fracture for stroke in strokes]),
         bottom=tilt_at([stroke.bottom for stroke in strokes]),
-        greatest=mean_of_strokes(map(float, greatest)),
+        greatest=mean_of_strokes(greatest),
         time_shares=time_shares,
         load_shares=load_shares,
         friction_loss=loss,
-        corner_force=force,
     )
-
-
-def _value(time: Array, values: Array, instant: float) -> float:
-    """Return a series at an instant, linear between rows; nan for a missing instant."""
-    return math.nan if math.isnan(instant) else float(np.interp(instant, time, values))
-
-
-def _rows(time: Array, stroke: SampledStroke) -> NDArray[np.bool_]:
-    return (time >= stroke.start) & (time <= stroke.end)
 
 
 def _of_corners(scene: Scene, stage: StageResult, guide: Guide, name: str) -> Array:
@@ -251,12 +239,10 @@ def _means(rows: list[Array]) -> dict[str, Estimate]:
     columns = np.array(rows).reshape(-1, len(STATES)).T
     by_state = dict(zip(STATES, columns, strict=True))
     means = means_by_name({name: c for name, c in by_state.items() if c.any()})
-    return {name: _at_most_one(mean) for name, mean in means.items()}
-
-
-def _at_most_one(share: Estimate) -> Estimate:
-    """Return a share whose interval ends at 1."""
-    return share if share.high is None else replace(share, high=min(share.high, 1.0))
+    for name, mean in means.items():
+        if mean.high is not None:  # a share is at most 1
+            means[name] = replace(mean, high=min(mean.high, 1.0))
+    return means
 
 
 def _is_within(spans: Array, times: Array) -> NDArray[np.bool_]:
@@ -283,6 +269,7 @@ def _states(closed: list[NDArray[np.bool_]]) -> NDArray[np.int64]:
 
 def self_locking(scene: Scene) -> dict[str, tuple[float, float]]:
     """Return the guides that off-centre work jams, with their friction and its limit.
+
     Two opposite corners bear the force F of the work at a distance a, with F a / L each.
     Their friction exceeds F if its coefficient is above the limit L / (2 a).
     """

@@ -234,8 +234,7 @@ def _predicted(scene: Scene, life: LifeResult) -> tuple[list[Limit], tuple[str, 
         remarks.append(f"{words} is left out, because several joints change it")
     if not limits:
         raise InputError(f"readings predict none of the limits: {'; '.join(remarks)}")
-    ends = [life.curves[limit.key][-1, 0] < limit.value for limit in limits]
-    beyond = [limit for limit, is_beyond in zip(limits, ends, strict=True) if is_beyond]
+    beyond = [limit for limit in limits if life.curves[limit.key][-1, 0] < limit.value]
     if beyond:
         end = large(float(life.curves["strokes"][-1]))
         names = " and ".join(words_of(limit.key) for limit in beyond)
@@ -248,30 +247,21 @@ def _course(life: LifeResult, key: str, new: float) -> Shape:
     return Shape.of(life.curves["strokes"], life.curves[key][:, 0], new)
 
 
-def _new_value(scene: Scene, reading: Reading) -> float:
-    return (
-        NEW_OVER_CLEARANCE.get(reading.quantity, 0.0)
-        * scene.bearing(reading.joint).clearance
-    )
-
-
 def _limit_of(limits: Sequence[Limit], reading: Reading) -> float:
     """Return the limit of the quantity that was read, SI; infinite without one.
 
     A radial clearance may be limited where the diametral one is read, and the other way
     round.
     """
-    sizes = {reading.quantity: 1.0}
-    if reading.quantity in NEW_OVER_CLEARANCE:
-        sizes = {
-            name: NEW_OVER_CLEARANCE[reading.quantity] / size
-            for name, size in NEW_OVER_CLEARANCE.items()
-        }
-    values = [
-        limit.value * sizes[limit.name]
-        for limit in limits
-        if limit.joint == reading.joint and limit.name in sizes
-    ]
+    size = NEW_OVER_CLEARANCE.get(reading.quantity)
+    values = []
+    for limit in limits:
+        if limit.joint != reading.joint:
+            continue
+        if limit.name == reading.quantity:
+            values.append(limit.value)
+        elif size and limit.name in NEW_OVER_CLEARANCE:
+            values.append(limit.value * (size / NEW_OVER_CLEARANCE[limit.name]))
     return min(values, default=math.inf)
 
 
@@ -287,7 +277,9 @@ def _joint_wear(
     has_baseline = first.quantity in NEW_OVER_CLEARANCE and bool((strokes == 0.0).any())
     deviations = np.array(errors) if errors else None
     observed = Observed(strokes, values, deviations, has_baseline)
-    shape = _course(life, first.key, _new_value(scene, first))
+    clearance = scene.bearing(first.joint).clearance
+    new_value = NEW_OVER_CLEARANCE.get(first.quantity, 0.0) * clearance
+    shape = _course(life, first.key, new_value)
     posterior = posterior_of(shape, observed, materials.wear_scatter)
     new = float(posterior.probabilities @ posterior.new)
     limit = _limit_of(limits, first)
@@ -350,9 +342,8 @@ def _life_of_joint(
         # The readings fix the course at their place. Its scatter grows as the root of
         # the strokes from there on.
         ahead = until / np.maximum(scaled * last, _SMALLEST) - 1.0 if last else 1.0
-        deviation = (
-            half / quantile(math.inf) * np.sqrt(np.clip(ahead, 1.0, _MOST_AHEAD))
-        )
+        growth = np.sqrt(np.clip(ahead, 1.0, _MOST_AHEAD))
+        deviation = half / quantile(math.inf) * growth
         if limit.key == key and wear.new_error > 0.0:
             rate = (shape.at(1.01 * until) - shape.at(until)) / 0.01
             deviation = np.hypot(deviation, wear.new_error / rate)

@@ -14,6 +14,8 @@ SETTLE_ADVICE = (
 
 def sentence_of(settling: Settling) -> str:
     """Return on which motions the replicates settled, in a sentence without a full stop."""
+    if settling.verdict == "unwatched":
+        return f"{_too_few(settling)} to see whether the motion settles"
     return _SENTENCES[settling.verdict](settling)
 
 
@@ -91,10 +93,6 @@ def _only_irregular(settling: Settling) -> str:
     return text
 
 
-def _unwatched(settling: Settling) -> str:
-    return f"{_too_few(settling)} to see whether the motion settles"
-
-
 def _regular(settling: Settling) -> list[Motion]:
     return [motion for motion in settling.motions if motion.period is not None]
 
@@ -123,5 +121,4 @@ _SENTENCES: dict[str, Callable[[Settling], str]] = {
     "coexisting": _coexisting,
     "mixed": _mixed,
     "irregular": _only_irregular,
-    "unwatched": _unwatched,
 }

@@ -101,20 +101,17 @@ def oil_films(scene: Scene) -> dict[str, JointFilm]:
 # A report shows the films in sentences, in a number and in a figure.
 @lru_cache(maxsize=16)
 def _films(scene: Scene) -> dict[str, JointFilm]:
-    bearings = {name: scene.bearing(name) for name in scene.loose_pins}
-    oiled = {
-        name: bearing
-        for name, bearing in bearings.items()
-        if bearing.viscosity is not None
-        and not bearing.has_film
-        and _relative(bearing) <= WIDEST_CLEARANCE
-    }
     films = {}
     for pin in scene.loaded.revolutes:
-        if pin.name in oiled:
+        if pin.name not in scene.loose_pins:
+            continue
+        bearing = scene.bearing(pin.name)
+        if bearing.viscosity is None or bearing.has_film:
+            continue
+        if _relative(bearing) <= WIDEST_CLEARANCE:
             # Without a film that can be computed the contact is as good as dry.
             with suppress(OrbitTooStiff):
-                films[pin.name] = _film(scene, pin, oiled[pin.name])
+                films[pin.name] = _film(scene, pin, bearing)
     return films
 
 
@@ -158,10 +155,10 @@ def _film(scene: Scene, pin: Revolute, bearing: Bearing) -> JointFilm:
 def shear_power(bearing: Bearing, orbit: FilmOrbit, spin: Array) -> Array:
     """Return the power of shear in the oil of a rod, W, at relative speeds ``spin``, rad/s."""
     sizes = bearing.width, bearing.bearing_radius, bearing.clearance
-    moments = [
-        shear_moment(float(gap), float(omega), bearing.viscosity or 0.0, sizes)
-        for gap, omega in zip(orbit.gap, spin, strict=True)
-    ]
+    viscosity = bearing.viscosity or 0.0
+    moments = []
+    for gap, omega in zip(orbit.gap.tolist(), spin.tolist(), strict=True):
+        moments.append(shear_moment(gap, omega, viscosity, sizes))
     return np.array(moments) * spin
 
 
@@ -186,10 +183,8 @@ def dry_contact(scene: Scene) -> list[str]:
         text = (
             f"Joint {name}: the relative clearance is {relative} per mille of the bore "
         )
-        usual = "{} to {} with oil, up to twice that with grease".format(
-            *OIL_CLEARANCES
-        )
-        text += f"(bearing makers give {usual})."
+        usual = "{} to {} with oil".format(*OIL_CLEARANCES)
+        text += f"(bearing makers give {usual}, up to twice that with grease)."
         film = oil_films(scene).get(name)
         if film is None:
             paragraphs.append(f"{text} {_reason(bearing)}: the contact is dry.")
@@ -218,11 +213,10 @@ def film_text(film: JointFilm, bearing: Bearing, phase: str) -> str:
     place = film.angle[film.thinnest]
     force = quantity_text(float(film.force[film.thinnest]), "N")
     states = "full film", "mixed lubrication", "contact of asperities"
+    rows = zip(states, film.time_shares, film.load_shares, strict=True)
     shares = ", ".join(
         f"{state} for {percent(time)} of the time and {percent(load)} of the load"
-        for state, time, load in zip(
-            states, film.time_shares, film.load_shares, strict=True
-        )
+        for state, time, load in rows
     )
     text = (
         f"With {bearing.viscosity:g} Pa s the least film of the cycle is {least} µm, at "

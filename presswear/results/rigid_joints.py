@@ -38,8 +38,10 @@ def rubbing_joints(scene: Scene) -> tuple[Bushing, ...]:
     Empty if a friction law is source code that is stored in a result.
     """
     joints = scene.linkage().bushings
-    laws = (joint.friction.user_law for joint in joints)
-    return joints if all(law is None or law.is_trusted for law in laws) else ()
+    laws = [joint.friction.user_law for joint in joints]
+    if any(law is not None and not law.is_trusted for law in laws):
+        return ()
+    return joints
 
 
 def rubbing_drives(scene: Scene) -> dict[str, DriveDuty]:

@@ -78,22 +78,18 @@ def film_sentences(scene: Scene, stage: StageResult) -> list[str]:
     phase = scene.mechanism.linkage().phase
     paragraphs = []
     for name, film in run_films(scene, stage).items():
+        full, mixed, dry = film.time_shares
+        verdict = (
+            f"Asperities touch for {percent(mixed + dry)} of the time. "
+            "The wear of this run is theirs."
+        )
+        if full == 1.0:
+            verdict = (
+                "Oil keeps pin and bearing apart in the whole cycle. Hardly any "
+                "asperity touches."
+            )
         text = film_text(film, scene.bearing(name), phase)
         paragraphs.append(
-            f"Joint {name}: the oil film acts in the run. {text} {_verdict(film)} {ASSUMES}."
+            f"Joint {name}: the oil film acts in the run. {text} {verdict} {ASSUMES}."
         )
     return paragraphs
-
-
-def _verdict(film: JointFilm) -> str:
-    """Return a sentence on the wear of asperities."""
-    full, mixed, dry = film.time_shares
-    if full == 1.0:
-        return (
-            "Oil keeps pin and bearing apart in the whole cycle. Hardly any asperity "
-            "touches."
-        )
-    touching = percent(mixed + dry)
-    return (
-        f"Asperities touch for {touching} of the time. The wear of this run is theirs."
-    )

@@ -148,7 +148,8 @@ def posterior_of(shape: Shape, observed: Observed, scatter: float) -> Posterior:
         squares, _ = observed.squares(shape, logarithms)
         exponent = -0.5 * squares / widening**2
         if observed.errors is None:
-            floor = len(observed.values) * _smallest_error(observed) ** 2
+            smallest_error = _ROUND_OFF * float(np.abs(observed.values).max())
+            floor = len(observed.values) * smallest_error**2
             exponent = -0.5 * observed.freedom * np.log(squares + floor)
         if has_prior:
             exponent = exponent - 0.5 * (logarithms / deviation) ** 2
@@ -176,10 +177,6 @@ def posterior_of(shape: Shape, observed: Observed, scatter: float) -> Posterior:
 def _deviation(scatter: float) -> float:
     """Return the standard deviation of ln f for a coefficient of variation of f."""
     return max(math.sqrt(math.log1p(scatter**2)), LEAST_SCATTER)
-
-
-def _smallest_error(observed: Observed) -> float:
-    return _ROUND_OFF * float(np.abs(observed.values).max())
 
 
 def _best_fit(shape: Shape, observed: Observed, grid: Array) -> tuple[float, float]:

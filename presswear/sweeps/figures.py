@@ -149,6 +149,16 @@ def _even_values(values: Array) -> Array:
     return space(values.min(), values.max(), CELLS)
 
 
+def _predicted(
+    surrogate: Surrogate, points: Points, pair: tuple[int, int], x: Array, y: Array
+) -> Array:
+    """Return the surrogate over two parameters at the median of the others, (CELLS, CELLS)."""
+    grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
+    for k, values in zip(pair, np.meshgrid(x, y), strict=True):
+        grid[:, k] = values.ravel()
+    return surrogate.predict(grid).reshape(CELLS, CELLS)
+
+
 def heat_map(
     points: Points, pair: tuple[int, int], surrogate: Surrogate | None
 ) -> list[Drawing]:
@@ -163,14 +173,10 @@ def heat_map(
     if surrogate is not None:
         x = _even_values(across)
         y = _even_values(up)
-        grid = np.tile(np.median(points.points, axis=0), (CELLS * CELLS, 1))
-        for k, values in zip(pair, np.meshgrid(x, y), strict=True):
-            grid[:, k] = values.ravel()
-        level = shown.factor * surrogate.predict(grid).reshape(CELLS, CELLS)
         axes.pcolormesh(
             x_axis.factor * x,
             y_axis.factor * y,
-            level,
+            shown.factor * _predicted(surrogate, points, pair, x, y),
             norm=norm,
             cmap=COLOURS,
             shading="gouraud",

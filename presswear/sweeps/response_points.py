@@ -110,11 +110,9 @@ def _variances(squares: Array, freedom: Array, means: Array) -> Array:
     total = float(freedom[is_used].sum())
     equal = np.full(len(means), squares[is_used].sum() / total)
     level = means[is_used] ** 2
-    if (
-        equal[0] == 0.0
-        or not level.all()
-        or abs(np.sign(means[is_used]).sum()) < level.size
-    ):
+    signs = np.sign(means[is_used])
+    has_one_sign = level.all() and abs(signs.sum()) == level.size
+    if equal[0] == 0.0 or not has_one_sign:
         return equal
     share = float((squares[is_used] / level).sum()) / total
     cost = total * math.log(share) + float((freedom[is_used] * np.log(level)).sum())

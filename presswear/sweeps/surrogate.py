@@ -107,9 +107,8 @@ def is_logarithmic(column_values: Array) -> bool:
 def _scaled(points: Points, values: Array) -> Array:
     """Return parameters as coordinates from 0 to 1, and a coordinate for each word."""
     columns = []
-    for k, column in enumerate(points.parameters):
-        present = points.points[:, k]
-        requested = values[:, k]
+    pairs = zip(points.parameters, points.points.T, values.T, strict=True)
+    for column, present, requested in pairs:
         if column.choices:
             for index in range(len(column.choices)):
                 columns.append((requested == index).astype(float))
