@@ -35,7 +35,7 @@ IMPORTED_BY_NAME = {
         "'presswear.tools.errors'",
         "'presswear.tools.serialize'",
         "f'{package}.{name}'",
-        "f'{package}.{part}'",
+        "f'{package}.{submodule}'",
         "modules[name]",
     ],
     "tools/processes.py": ["'presswear'", "name"],

@@ -21,15 +21,13 @@ def check_names(what: str, names: Iterable[str], allowed: Mapping[str, Any]) -> 
     for name in names:
         if name in allowed:
             continue
-        meant = SYMBOLS.get(name, "")
-        owners = (
-            f" of {key}"
-            for key, parameter in allowed.items()
-            if hasattr(parameter.default, meant)
-        )
-        owner = next(owners, "")
-        if owner or meant in allowed:
-            raise InputError(f"unknown {what} {name!r}: {name} is {meant}{owner}")
+        setting = SYMBOLS.get(name, "")
+        owner = ""
+        for key, parameter in allowed.items():
+            if setting and not owner and hasattr(parameter.default, setting):
+                owner = f" of {key}"
+        if owner or setting in allowed:
+            raise InputError(f"unknown {what} {name!r}: {name} is {setting}{owner}")
         raise unknown(what, name, allowed)
 
 

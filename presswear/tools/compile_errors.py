@@ -89,12 +89,12 @@ class ShortErrors:
             failure = self.lazy_failure
             self.lazy_failure = None
             raise failure from None
-        short = _short(error, trace)
-        if short is not None:
-            raise short from None
+        error_with_place = _with_statement(error, trace)
+        if error_with_place is not None:
+            raise error_with_place from None
 
 
-def _short(error: Exception, trace: TracebackType | None) -> Exception | None:
+def _with_statement(error: Exception, trace: TracebackType | None) -> Exception | None:
     """Return the error of a user law or a kernel with the place where it was raised, or None."""
     for frame, number in reversed([*traceback.walk_tb(trace)]):
         file = frame.f_code.co_filename

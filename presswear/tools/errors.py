@@ -49,8 +49,10 @@ _MEMORY_WORDS = "failed to map segment", "cannot allocate memory", "start new th
 
 def is_out_of_memory(error: BaseException) -> bool:
     """Return whether an error says that memory ran out."""
+    if isinstance(error, MemoryError):
+        return True
     text = f"{error}".lower()
-    return isinstance(error, MemoryError) or any(word in text for word in _MEMORY_WORDS)
+    return any(words in text for words in _MEMORY_WORDS)
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
@@ -71,16 +73,13 @@ def remedy(name: str, names: Iterable[str]) -> str:
     words = tuple(names)
     absent = not_modelled(name)
     if hint := nearest(name, words):
-        listed = hint
-        if not absent.startswith(NOT_MODELLED):  # the nearest name is the better answer
-            absent = ""
         if 1 < len(words) <= FEW_NAMES:
-            listed += f" Known are {', '.join(words)}."
-    elif absent:
-        listed = "."
-    else:
-        listed = f"; known are {', '.join(words)}" if words else "; there is none"
-    return f"{listed} {absent}".rstrip()
+            hint += f" Known are {', '.join(words)}."
+        # The nearest name is a better answer than another name of the same thing.
+        return f"{hint} {absent}" if absent.startswith(NOT_MODELLED) else hint
+    if absent:
+        return f". {absent}"
+    return f"; known are {', '.join(words)}" if words else "; there is none"
 
 
 def unknown(kind: str, name: Any, names: Iterable[str]) -> InputError:
@@ -115,12 +114,16 @@ def shown(value: Any) -> str:
 
 def printable(text: str) -> str:
     """Return a text with escapes in place of characters that would control a terminal."""
-    return "".join(
-        c if c.isprintable() or c in _PRINTED else ascii(c)[1:-1] for c in text
-    )
+    characters = []
+    for character in text:
+        if character.isprintable() or character in _PRINTED:
+            characters.append(character)
+        else:
+            characters.append(ascii(character)[1:-1])
+    return "".join(characters)
 
 
 def one_line(text: str) -> str:
     """Return a message as one line of printable characters, the rest as escapes."""
-    shown = printable(text[: MAX_MESSAGE + 1]).replace("\n", "\\n")
-    return shown if len(shown) <= MAX_MESSAGE else f"{shown[: MAX_MESSAGE - 3]}..."
+    line = printable(text[: MAX_MESSAGE + 1]).replace("\n", "\\n")
+    return line if len(line) <= MAX_MESSAGE else f"{line[: MAX_MESSAGE - 3]}..."

@@ -82,9 +82,9 @@ def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
     """Return the meaning of a field, None without; the words of a choice may need the owner."""
     meaning = item.metadata.get("meaning")
     if meaning is None:
-        annotations = getattr(item.type, "__metadata__", ())
-        meanings = (part for part in annotations if isinstance(part, Quantity | Choice))
-        meaning = next(meanings, None)
+        for annotation in getattr(item.type, "__metadata__", ()):
+            if isinstance(annotation, Quantity | Choice):
+                meaning = annotation
     if isinstance(meaning, Choice) and callable(meaning.words):
         return replace(meaning, words=meaning.words(owner))
     return meaning

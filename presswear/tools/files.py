@@ -57,22 +57,22 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     OSError with the file, whose previous content is unchanged. InputError where a link
     would lead the bytes elsewhere; a link in place of the file is replaced.
     """
-    part = path.with_name(path.name + PART)
-    _check_link(part)
+    unfinished = path.with_name(path.name + PART)
+    _check_link(unfinished)
     try:
-        with part.open("wb") as file:
+        with unfinished.open("wb") as file:
             write(file)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(part, path)
+        os.replace(unfinished, path)
     except OSError as error:
         if error.errno is None:
             raise
-        # A full disk is reported without a name, other errors under that of the part.
+        # A full disk is reported without a name, other errors with the unfinished file.
         raise OSError(error.errno, error.strerror, str(path)) from None
     finally:
         with suppress(OSError):
-            part.unlink(missing_ok=True)
+            unfinished.unlink(missing_ok=True)
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -134,7 +134,7 @@ def check_name(path: Path) -> None:
     text = os.fspath(path)
     if not text.isprintable():
         raise InputError(f"{text!r}: a name of printable characters is expected")
-    if any(len(part.encode()) > MAX_NAME for part in path.parts):
+    if any(len(name.encode()) > MAX_NAME for name in path.parts):
         raise InputError(f"{text}: names of at most {MAX_NAME} bytes are expected")
 
 
@@ -181,8 +181,10 @@ def is_free(path: Path) -> bool:
     """Return whether a folder is new or empty; InputError where it cannot be written."""
     check_name(path)
     try:
+        if path.is_dir():
+            return {file.name for file in path.iterdir()} <= _LEFT
         if path.exists():
-            return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
+            return False
         if path.is_symlink():
             raise InputError(f"folder {path}: it is a broken link")
         parent = next(folder for folder in path.parents if folder.exists())

@@ -47,9 +47,9 @@ def _names(code: types.CodeType) -> set[str]:
     for instruction in dis.get_instructions(code):
         if instruction.opname == "LOAD_GLOBAL":
             names.add(instruction.argval)
-    for part in code.co_consts:
-        if isinstance(part, types.CodeType):
-            names |= _names(part)
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            names |= _names(constant)
     return names
 
 
@@ -62,11 +62,12 @@ def _code_parts(code: types.CodeType, docstring: str | None = None) -> Iterator[
     yield f"{code.co_code.hex()} {names} {code.co_argcount} {code.co_flags}"
     if config.BOUNDSCHECK:
         yield f"{code.co_filename} {[*code.co_lines()]}"
-    for part in code.co_consts:
-        if isinstance(part, types.CodeType):
-            yield from _code_parts(part)
-        elif not (part and part == docstring):
-            yield f"{type(part).__name__} {part!r}"
+    for constant in code.co_consts:
+        is_docstring = bool(constant) and constant == docstring
+        if isinstance(constant, types.CodeType):
+            yield from _code_parts(constant)
+        elif not is_docstring:
+            yield f"{type(constant).__name__} {constant!r}"
 
 
 def _parts(value: Any) -> Iterator[str]:
@@ -101,7 +102,7 @@ def fields_of(kind: Any) -> Iterator[str]:
     elif hasattr(kind, "_fields"):
         yield f"{kind._fields}"
     if isinstance(kind, kinds.BaseTuple):
-        for part in kind.types:
-            yield from fields_of(part)
+        for item in kind.types:
+            yield from fields_of(item)
     elif isinstance(kind, kinds.CPointer | kinds.Array):
         yield from fields_of(kind.dtype)

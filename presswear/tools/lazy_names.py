@@ -18,23 +18,26 @@ def attach_stub(package: str, file: str) -> tuple[object, object, list[str]]:
     file : str
         ``__file__`` of the package.
     """
+    modules = {}  # by name
     with open(f"{file}i", encoding="utf-8") as stub:
-        words = [line.split() for line in stub if line.startswith("from ")]
-    modules = {line[3]: line[1] for line in words if line[4:5] == ["as"]}
+        for line in stub:
+            words = line.split()
+            if words[:1] == ["from"] and words[4:5] == ["as"]:
+                modules[words[3]] = words[1]
     names = list(modules)
-    parts = [name for name in names if modules[name] == package]
+    submodules = [name for name in names if modules[name] == package]
 
     def hint_at(name: str) -> str:
-        for part in parts:
-            if name in dir(import_module(f"{package}.{part}")):
-                return f"; it is {package}.{part}.{name}"
+        for submodule in submodules:
+            if name in dir(import_module(f"{package}.{submodule}")):
+                return f"; it is {package}.{submodule}.{name}"
         return str(import_module("presswear.tools.errors").remedy(name, names))
 
     def load(name: str) -> object:
         if name not in modules:
             hint = hint_at(name)
             raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
-        if name in parts:
+        if name in submodules:
             return import_module(f"{package}.{name}")
         value = getattr(import_module(modules[name]), name)
         if hasattr(value, "__dataclass_fields__"):

@@ -110,9 +110,13 @@ def large(*values: float, digits: int = 3) -> str:
     largest = round(largest, _decimals(largest, digits))
     factor, word = count_scale(largest)
     decimals = _decimals(factor * largest, digits)
-    texts = (f"{round(factor * v, decimals):,.{max(decimals, 0)}f}" for v in values)
-    texts = (text.rstrip("0").rstrip(".") if "." in text else text for text in texts)
-    return f"{' to '.join(map(_written, texts))} {word}".rstrip()
+    texts = []
+    for value in values:
+        text = f"{round(factor * value, decimals):,.{max(decimals, 0)}f}"
+        if "." in text:
+            text = text.rstrip("0").rstrip(".")
+        texts.append(_written(text))
+    return f"{' to '.join(texts)} {word}".rstrip()
 
 
 def short_number(value: float) -> str:
@@ -128,7 +132,7 @@ def whole(value: float | None) -> str:
 
 def counted(count: int, word: str) -> str:
     """Return a count with its noun, in the plural unless it is one."""
-    return f"{whole(count)} {word}" if count == 1 else f"{whole(count)} {word}s"
+    return f"{whole(count)} {word}" + ("" if count == 1 else "s")
 
 
 def with_interval(mean: float | None, half_width: float | None) -> str:

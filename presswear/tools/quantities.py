@@ -99,11 +99,7 @@ class Quantity:
     def range_text(self) -> str:
         """Return the allowed range in words, with the unit, its ends rounded inward."""
         if math.isinf(self.high) and math.isinf(self.low):
-            return (
-                f"any finite number in {self.unit}"
-                if self.unit
-                else "any finite number"
-            )
+            return f"any finite number in {self.unit}".removesuffix(" in ")
         low = _six_digits(self.low, ROUND_CEILING)
         if math.isinf(self.high):
             bound = "above" if self.open_low else "at least"

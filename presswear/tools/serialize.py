@@ -55,7 +55,8 @@ def check_fields(owner: Any) -> None:
     label = getattr(owner, first)
     of_owner = f" of {label}" if first in _NAMES and isinstance(label, str) else ""
     for field in arguments:
-        result = value = getattr(owner, field.name)
+        value = getattr(owner, field.name)
+        result = value
         name = field.name if field.name == first else f"{field.name}{of_owner}"
         meaning = meaning_of(field, owner)
         is_optional = field.default is None or NoneType in get_args(field.type)
@@ -164,7 +165,7 @@ def _part_name(name: str, suffix: str) -> str:
 def _as_one_of(name: str, value: Any, kind: Any) -> Any:
     """Return a value as the first type of a union that takes it."""
     kinds = get_args(kind)
-    error_of_part = None
+    first_error = None
     classes: list[Any] = [member for member in kinds if is_dataclass(member)]
     takes_mapping = any(get_origin(member) is Mapping for member in kinds)
     if isinstance(value, Mapping) and classes and not takes_mapping:
@@ -176,8 +177,8 @@ def _as_one_of(name: str, value: Any, kind: Any) -> Any:
         except InputError as error:
             # The value as a whole is of this type, but a part of it is not.
             if isinstance(value, Real) or not str(error).startswith(f"{name} = "):
-                error_of_part = error_of_part or error
-    raise error_of_part or refusal(name, value, kind)
+                first_error = first_error or error
+    raise first_error or refusal(name, value, kind)
 
 
 def _misfit(kind: Any, data: Mapping[str, Any]) -> tuple[int, int]:
@@ -196,10 +197,10 @@ def _as_tuple(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
         kinds = (kinds[0],) * len(rows)
     if len(rows) != len(kinds):
         raise InputError(f"{name} = {shown(value)}: a list of {len(kinds)} is expected")
-    return tuple(
-        converted(_part_name(name, f"[{k}]"), row, kinds[k])
-        for k, row in enumerate(rows)
-    )
+    result = []
+    for k, row in enumerate(rows):
+        result.append(converted(_part_name(name, f"[{k}]"), row, kinds[k]))
+    return tuple(result)
 
 
 def make(place: str, kind: Callable[..., T], data: Any) -> T:

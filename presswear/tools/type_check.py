@@ -1,6 +1,7 @@
 """Check of a value against an annotation, without a conversion."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -48,16 +49,18 @@ def _is_of(name: str, value: Any, kind: Any) -> bool:
     if origin in (Sequence, tuple):
         if not is_list(value):
             return False
-        if origin is tuple and inner[-1] is not Ellipsis:
-            if len(value) != len(inner):
-                return False
-            pairs = zip(value, inner, strict=True)
-            return all(_is_of(name, item, member) for item, member in pairs)
-        return all(_is_of(name, item, inner[0]) for item in value)
+        kinds = inner
+        if origin is not tuple or inner[-1] is Ellipsis:
+            kinds = (inner[0],) * len(value)
+        if len(value) != len(kinds):
+            return False
+        return all(map(partial(_is_of, name), value, kinds))
     if origin is Mapping:
-        return isinstance(value, Mapping) and all(
-            isinstance(key, str) and _is_of(name, item, inner[1])
-            for key, item in value.items()
+        if not isinstance(value, Mapping):
+            return False
+        has_names = all(isinstance(key, str) for key in value)
+        return has_names and all(
+            _is_of(name, item, inner[1]) for item in value.values()
         )
     if origin is Callable:
         return callable(value)

@@ -244,26 +244,17 @@ class UserFunction:
             return None
         constant = {key: values[key] for key in used if key != name}
         positive = [10.0 ** (0.25 * k) for k in range(-24, 1)]
-        arguments = [-x for x in reversed(positive)] + [0.0] + positive
-        results = [self._result_at(x, name, constant) for x in arguments]
-        least = _JUMP_SIZE * max(abs(result) for result in results)
-        points = zip(arguments, results, strict=True)
-        for (low, below), (high, above) in pairwise(points):
-            while abs(above - below) > least and high - low > _JUMP_WIDTH:
-                middle = 0.5 * (low + high)
-                between = self._result_at(middle, name, constant)
-                if abs(between - below) > abs(above - between):
-                    high = middle
-                    above = between
-                else:
-                    low = middle
-                    below = between
-            if abs(above - below) > least:
-                place = round(low, 8) + 0.0  # the sum turns -0.0 into 0.0
-                return place, below, above
+        arguments = [*(-x for x in reversed(positive)), 0.0, *positive]
+        function = partial(self._result_at, name, constant)
+        points = [(x, function(x)) for x in arguments]
+        least = _JUMP_SIZE * max(abs(value) for _, value in points)
+        for start, end in pairwise(points):
+            jump = _narrowed(function, start, end, least)
+            if jump is not None:
+                return jump
         return None
 
-    def _result_at(self, x: float, name: str, constant: dict[str, float]) -> float:
+    def _result_at(self, name: str, constant: dict[str, float], x: float) -> float:
         """Return the value for ``name`` = ``x``, or NaN outside of the range of the law."""
         try:
             return float(self.in_python()(**constant, **{name: x}))
@@ -300,6 +291,34 @@ class UserFunction:
                 raise InputError(
                     f"{key}: {self.name} fails: {self._failure(error)}"
                 ) from None
+
+
+def _narrowed(
+    function: Callable[[float], float],
+    start: tuple[float, float],
+    end: tuple[float, float],
+    least: float,
+) -> tuple[float, float, float] | None:
+    """Return place and values below and above a jump in an interval; None for none.
+
+    ``start`` and ``end`` are the ends of the interval with their values, and ``least``
+    is the smallest change that is a jump.
+    """
+    low, below = start
+    high, above = end
+    while abs(above - below) > least and high - low > _JUMP_WIDTH:
+        middle = 0.5 * (low + high)
+        between = function(middle)
+        if abs(between - below) > abs(above - between):
+            high = middle
+            above = between
+        else:
+            low = middle
+            below = between
+    if not abs(above - below) > least:
+        return None
+    place = round(low, 8) + 0.0  # the sum turns -0.0 into 0.0
+    return place, below, above
 
 
 def _read_stored(
