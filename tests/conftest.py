@@ -30,7 +30,7 @@ test_soundness test_rounds test_replay_command test_runner test_export test_sens
 test_growth test_growing_life test_tonnage test_worn_walls test_slots_with_clearance test_folder
 test_bifurcation test_motion test_equations test_kernel_cache test_workers test_worn_bush
 test_terminal test_untrusted_laws test_browser test_initial_surfaces test_ensemble
-test_benchmark test_processes test_campaign test_heavy_press
+test_benchmark test_processes test_campaign test_heavy_press test_engines_agree
 """
 
 

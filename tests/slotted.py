@@ -208,6 +208,15 @@ def cylinder(angle: float = 0.4) -> Linkage:
     )
 
 
+def with_wheel(linkage: Linkage, *drives: Drive | GearedDrive | LinearDrive) -> Linkage:
+    """Return a linkage with a wheel on the frame, and with other drives."""
+    return linkage.changed(
+        bodies=[*linkage.bodies, Body("wheel", 5.0, 0.2)],
+        joints=[*linkage.joints, Pin("W", (2.0, 0.0), "wheel")],
+        drives=drives,
+    )
+
+
 BOOM, BASE = 0.4, 0.6  # from the pivot of a boom to its pins with the cylinder, m
 ROD, BARREL = 0.25, 0.05  # of the eye of a piston and of the point of its bore, m
 OFFSET = 0.03  # of the mass centre of a barrel beside its bore, m

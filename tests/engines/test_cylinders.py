@@ -16,11 +16,10 @@ from slotted import (
     boom,
     loose_scene,
     slider_crank_with_sleeve,
+    with_wheel,
 )
 
-import presswear as pw
 from presswear.engines.settings import InHouse
-from presswear.linkage.bodies import Body
 from presswear.linkage.drives import Drive, LinearDrive
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.ideal import ideal_motion
@@ -70,14 +69,8 @@ def test_a_sleeve_driven_along_a_rod_is_prescribed():
 
 def test_cylinder_at_rest_is_a_strut():
     """A driven crank then turns the linkage; the strut keeps its length without work."""
-    linkage = boom()
     strut = LinearDrive("piston", along="bore", position=0.15)
-    wheel = Body("wheel", 5.0, 0.2)
-    linkage = linkage.changed(
-        bodies=[*linkage.bodies, wheel],
-        joints=[*linkage.joints, pw.Pin("W", (2.0, 0.0), "wheel")],
-        drives=[strut, Drive("wheel", SPEED)],
-    )
+    linkage = with_wheel(boom(), strut, Drive("wheel", SPEED))
     scene = loose_scene(linkage, joints="A")
     run = run_scene(scene, InHouse(integration_tolerance=1e-11), 0.014)
     assert abs(float(run.diagnostics["drive_work_J"])) < 1e-9

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from slotted import SPEED, cylinder, loose_scene
+from slotted import SPEED, cylinder, loose_scene, with_wheel
 
 import presswear as pw
 from presswear.linkage.bodies import Body
@@ -94,8 +94,5 @@ def test_wrong_drives_are_refused_by_name(changes, message):
 
 def test_cycle_includes_a_drive_along_a_guide():
     linkage = cylinder()
-    bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
-    joints = [*linkage.joints, pw.Pin("F", (2.0, 0.0), "fan")]
-    drives = [*linkage.drives, Drive("fan", 1.5 * SPEED)]
-    both = linkage.changed(bodies=bodies, joints=joints, drives=drives)
+    both = with_wheel(linkage, *linkage.drives, Drive("wheel", 1.5 * SPEED))
     assert both.period == pytest.approx(2.0 * linkage.period)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from slotted import cylinder, geared_five_bar, loose_scene
+from slotted import cylinder, geared_five_bar, loose_scene, with_wheel
 
 import presswear as pw
 from presswear.engines.base import Start
@@ -139,8 +139,7 @@ def test_wrong_gears_are_refused_by_name(changes, message):
 
 def test_a_cylinder_is_no_leader():
     linkage = cylinder()
-    bodies = [*linkage.bodies, Body("fan", 1.0, 0.1)]
-    joints = [*linkage.joints, Pin("F", (2.0, 0.0), "fan")]
-    gears = GearedDrive("fan", leader="piston", ratio=2.0)
-    with pytest.raises(InputError, match="drive of fan: leader = piston: allowed is a"):
-        linkage.changed(bodies=bodies, joints=joints, drives=[*linkage.drives, gears])
+    gears = GearedDrive("wheel", leader="piston", ratio=2.0)
+    words = "drive of wheel: leader = piston: allowed is a"
+    with pytest.raises(InputError, match=words):
+        with_wheel(linkage, *linkage.drives, gears)

@@ -261,6 +261,13 @@ def test_no_energy_is_lost_without_friction_and_damping(name):
     assert float(run.diagnostics["contact_loss_J"]) == 0.0
 
 
+@pytest.mark.slow
+def test_energy_is_conserved_over_200_turns_of_a_crank():
+    scene = scene_of("quick return", friction=0.0, restitution=1.0)
+    run = run_scene(scene, FINE, 200.0 * scene.mechanism.period)
+    assert residual(run) < 1e-9
+
+
 @pytest.mark.parametrize(
     ("engine", "within"),
     [
