@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from statistics import median
 from typing import Any
 
@@ -53,14 +54,19 @@ class Timing:
         """CPU time per attempted step, s."""
         return self.cpu / max(self.steps + self.rejected, 1)
 
+    @property
+    def per_second(self) -> float:
+        """CPU time per simulated second."""
+        return self.cpu / self.simulated
+
     def columns(self) -> dict[str, object]:
         """Return the columns of a table."""
-        times = {"cpu_s": self.cpu, "cpu_median_s": median(self.times)}
-        counts = {"steps": self.steps, "rejected_steps": self.rejected}
         return {
-            **counts,
+            "steps": self.steps,
+            "rejected_steps": self.rejected,
             "evaluations": self.evaluations,
-            **times,
+            "cpu_s": self.cpu,
+            "cpu_median_s": median(self.times),
             "cpu_max_s": max(self.times),
         }
 
@@ -76,24 +82,27 @@ def time_runs(
     for repeat in range(repeats):
         for i, (name, simulate) in enumerate(runs.items()):
             report(name, (repeat * len(runs) + i) / (repeats * len(runs)))
-            run = finished(simulate(), name)
-            numbers = run.diagnostics
-            evaluations = run.diagnostics.get("evaluations")
-            model = str(numbers["model"]).partition(";")[0]
-            computed = None if evaluations is None else int(evaluations)
-            timing = Timing(
-                model,
-                run.time,
-                int(numbers["steps"]),
-                int(numbers["steps_sent_back"]),
-                computed,
-                (run.cpu,),
-            )
+            timing = _timing_of(finished(simulate(), name))
             first = timings.get(name, timing)
             if replace(timing, times=first.times) != first:
                 raise RunFailed(f"{name}: a repeated run took other steps")
-            timings[name] = replace(first, times=(*first.times[:repeat], run.cpu))
+            times = (*first.times[:repeat], timing.cpu)
+            timings[name] = replace(first, times=times)
     return timings
+
+
+def _timing_of(run: Run) -> Timing:
+    """Return the timing of one run."""
+    numbers = run.diagnostics
+    evaluations = numbers.get("evaluations")
+    return Timing(
+        model=str(numbers["model"]).partition(";")[0],
+        simulated=run.time,
+        steps=int(numbers["steps"]),
+        rejected=int(numbers["steps_sent_back"]),
+        evaluations=None if evaluations is None else int(evaluations),
+        times=(run.cpu,),
+    )
 
 
 # --- Speed against error ------------------------------------------------------------
@@ -117,9 +126,8 @@ def first_run(problem: Problem, method: Method) -> Point:
     try:
         with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
             run = finished(method.engine.simulate(problem.linkage, problem.start, plan))
-            errors = dict(
-                zip(problem.quantities, map(float, problem.errors(run)), strict=True)
-            )
+            values = map(float, problem.errors(run))
+            errors = dict(zip(problem.quantities, values, strict=True))
         for name, error in errors.items():
             if not math.isfinite(error):
                 raise RunFailed(f"error of {name} is not finite")
@@ -136,12 +144,11 @@ def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
         report(method.label, weight * i / len(problem.methods))
         points.append(first_run(problem, method))
     arguments = problem.linkage, problem.start, problem.plan
-    engines = {
-        point.method.label: point.method.engine for point in points if not point.failure
-    }
-    runs = {
-        label: partial(engine.simulate, *arguments) for label, engine in engines.items()
-    }
+    runs = {}
+    for point in points:
+        if not point.failure:
+            simulate = point.method.engine.simulate
+            runs[point.method.label] = partial(simulate, *arguments)
     timings = time_runs(runs, repeats, part_of(report, weight, 1.0 - weight))
     return [replace(point, timing=timings.get(point.method.label)) for point in points]
 
@@ -167,31 +174,31 @@ def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point
 
 
 def problems_of(points: Sequence[Point]) -> list[Problem]:
-    """Return the problems of points, those of one problem one after another."""
-    listed: list[Problem] = []
-    for point in points:
-        if not listed or listed[-1] is not point.problem:
-            listed.append(point.problem)
-    return listed
+    """Return the problems of points in their order."""
+    return list({id(point.problem): point.problem for point in points}.values())
 
 
 def table(points: Sequence[Point]) -> list[dict[str, object]]:
     """Return one row for each problem, method and quantity; a method that failed has no numbers."""
-    names = ("integrator", "parameter", "value", "is_default", "is_paper")
-    return [
-        {
-            "problem": point.problem.name,
-            "engine": point.method.engine.word,
-            **{name: getattr(point.method, name) for name in names},
-            "quantity": quantity,
-            "error": point.errors.get(quantity, ""),
-            "reference_uncertainty": uncertainty,
-            **(point.timing.columns() if point.timing else {}),
-            "failure": point.failure,
-        }
-        for point in points
-        for quantity, uncertainty in point.problem.quantities.items()
-    ]
+    rows: list[dict[str, object]] = []
+    for point in points:
+        method = point.method
+        timing = point.timing.columns() if point.timing else {}
+        for quantity, uncertainty in point.problem.quantities.items():
+            row = {
+                "problem": point.problem.name,
+                "engine": method.engine.word,
+                "integrator": method.integrator,
+                "parameter": method.parameter,
+                "value": method.value,
+                "is_default": method.is_default,
+                "is_paper": method.is_paper,
+                "quantity": quantity,
+                "error": point.errors.get(quantity, ""),
+                "reference_uncertainty": uncertainty,
+            }
+            rows.append({**row, **timing, "failure": point.failure})
+    return rows
 
 
 _STYLES = (*style.LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
@@ -200,8 +207,8 @@ _MARK: dict[str, Any] = {
     "color": style.REFERENCE,
     "markersize": 10.0,
     "linestyle": "none",
+    "markerfacecolor": "none",
 }
-_MARK |= {"markerfacecolor": "none"}
 
 
 @matplotlib.rc_context(style.SETTINGS)
@@ -213,9 +220,10 @@ def draw_work_precision(points: Sequence[Point]) -> style.Drawing:
     handles: dict[str, Any] = {}  # lines of the legend, by label
     for row, problem in zip(grid, listed, strict=True):
         timed = [p for p in points if p.problem is problem and p.timing is not None]
-        for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
+        quantities = list(problem.quantities.items())[:2]
+        for axes, (quantity, uncertainty) in zip(row, quantities, strict=True):
             _draw_errors(axes, timed, quantity, families)
-            if uncertainty := problem.quantities[quantity]:
+            if uncertainty:
                 axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
             axes.set_title(problem.name)
         lines, labels = row[0].get_legend_handles_labels()
@@ -235,27 +243,23 @@ def _draw_errors(
     axes.set_yscale("log", subs=style.SUBTICKS)
     axes.set(xlabel="CPU time (ms)", ylabel=quantity)
     for family, (marker, (colour, dashes)) in zip(families, _CURVES, strict=False):
-        curve = [
-            (1e3 * p.timing.cpu, max(p.errors[quantity], 1e-17), p.method)
-            for p in points
-            if p.method.family == family and p.timing is not None
-        ]
-        line = np.array(
-            [point[:2] for point in curve if not point[2].is_paper]
-        ).reshape(-1, 2)
-        axes.plot(
-            *line.T,
-            marker,
-            color=colour,
-            linestyle=dashes,
-            markersize=4.5,
-            label=family,
-        )
-        for x, y, method in curve:
-            if method.is_default:
-                axes.plot(x, y, "o", label="default setting", **_MARK)
-            if method.is_paper:
-                axes.plot(x, y, "*", label="paper, RK4 at 1e-4 s", **_MARK)
+        of_family = [point for point in points if point.method.family == family]
+        line = [point for point in of_family if not point.method.is_paper]
+        x, y = np.reshape([_place(point, quantity) for point in line], (-1, 2)).T
+        pen = style.Pen(family, colour, dashes)
+        pen.draw(axes, x, y, marker=marker, markersize=4.5, label=family)
+        for point in of_family:
+            place = _place(point, quantity)
+            if point.method.is_default:
+                axes.plot(*place, "o", label="default setting", **_MARK)
+            if point.method.is_paper:
+                axes.plot(*place, "*", label="paper, RK4 at 1e-4 s", **_MARK)
+
+
+def _place(point: Point, quantity: str) -> tuple[float, float]:
+    """Return the CPU time, ms, and an error of a point as a place in the figure."""
+    assert point.timing is not None, "only timed points are drawn"
+    return 1e3 * point.timing.cpu, max(point.errors[quantity], 1e-17)
 
 
 # --- Cost of features ---------------------------------------------------------------
@@ -287,7 +291,8 @@ QUICK_FEATURES = FeatureExtent(
 def run_of(scene: Scene, cycles: float, worn: Array | None = None) -> Callable[[], Run]:
     """Return the run of a scene on unworn or worn surfaces, with all cycles recorded."""
     period = scene.mechanism.period
-    cycle, count = (period, int(cycles)) if cycles >= 1.0 else (cycles * period, 1)
+    cycle = min(cycles, 1.0) * period
+    count = max(int(cycles), 1)
     plan = Plan(cycle, count, count, torques=scene.stores_torques)
     linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
     return partial(
@@ -315,46 +320,50 @@ def feature_costs(
     worn = cycles_of_update(scene, ensemble) * mean_map(ensemble.maps)
     rows: list[dict[str, object]] = []
     for i, (engine, features) in enumerate(ENGINES.items()):
-        part = part_of(report, 0.05 + 0.95 * i / len(ENGINES), 0.95 / len(ENGINES))
+        share = 0.95 / len(ENGINES)
+        progress = part_of(report, 0.05 + i * share, share)
         cycles = extent.tree_cycles
         repeats = extent.repeats
         if engine == "exudyn-joints":
             cycles = extent.joints_cycles
             repeats = max(2, (extent.repeats + 1) // 2)
         runs = {}  # by their settings: states of several features are the same run
-        for settings in (
-            state for name in features for state in FEATURES[name].values()
-        ):
+        for settings in chain(*(FEATURES[feature].values() for feature in features)):
             values = {key: value for key, value in settings.items() if key != "worn"}
             variant = changed(replace(scene, engine=engine), values)
             depth = worn if "worn" in settings else None
             name = _name(settings)
-            part(f"{name}: compiling", 0.0)
+            progress(f"{name}: compiling", 0.0)
             finished(run_of(variant, WARM_UP * cycles, depth)(), name)
             runs[name] = run_of(variant, cycles, depth)
-        timings = time_runs(runs, repeats, part)
+        timings = time_runs(runs, repeats, progress)
         for feature in features:
-            states = {
-                key: timings[_name(settings)]
-                for key, settings in FEATURES[feature].items()
-            }
-            off, *_ = states.values()
-            for state, timing in states.items():
-                row: dict[str, object] = {
-                    "engine": engine,
-                    "feature": feature,
-                    "state": state,
-                }
-                row |= {
-                    "model": timing.model,
-                    "simulated_s": timing.simulated,
-                    **timing.columns(),
-                }
-                row["cpu_s_per_simulated_s"] = timing.cpu / timing.simulated
-                row["cpu_s_per_step"] = timing.per_step
-                row["ratio_per_step"] = timing.per_step / off.per_step
-                ratio = (timing.cpu / timing.simulated) / (off.cpu / off.simulated)
-                rows.append({**row, "ratio_per_simulated_second": ratio})
+            rows += _feature_rows(engine, feature, timings)
+    return rows
+
+
+def _feature_rows(
+    engine: str, feature: str, timings: Mapping[str, Timing]
+) -> list[dict[str, object]]:
+    """Return a row for each state of a feature; ``timings`` are by the names of settings."""
+    states = FEATURES[feature]
+    off = timings[_name(next(iter(states.values())))]
+    rows: list[dict[str, object]] = []
+    for state, settings in states.items():
+        timing = timings[_name(settings)]
+        row = {
+            "engine": engine,
+            "feature": feature,
+            "state": state,
+            "model": timing.model,
+            "simulated_s": timing.simulated,
+            **timing.columns(),
+            "cpu_s_per_simulated_s": timing.per_second,
+            "cpu_s_per_step": timing.per_step,
+            "ratio_per_step": timing.per_step / off.per_step,
+            "ratio_per_simulated_second": timing.per_second / off.per_second,
+        }
+        rows.append(row)
     return rows
 
 

@@ -10,7 +10,6 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import NamedTuple
 
 import numpy as np
 
@@ -137,9 +136,9 @@ def dae_methods(
             values.add(default.tolerance)
         for value in sorted(values, reverse=True):
             engine = replace(default, integrator=name, integration_tolerance=value)
-            methods.append(
-                Method(engine, name.upper(), TOLERANCE, value, engine == default)
-            )
+            is_default = engine == default
+            method = Method(engine, name.upper(), TOLERANCE, value, is_default)
+            methods.append(method)
     values = set(steps)
     if default.integrator == "rk4":
         values.add(default.step)
@@ -149,9 +148,8 @@ def dae_methods(
         if not math.isclose(engine.step, PAPER.step):
             engines.append(engine)
     for engine in sorted(engines, key=lambda settings: -settings.step):
-        is_default = (
-            default.integrator == engine.integrator and engine.step == default.step
-        )
+        is_rk4 = default.integrator == engine.integrator
+        is_default = is_rk4 and engine.step == default.step
         methods.append(Method(engine, "RK4", STEP, engine.step, is_default))
     return methods
 
@@ -162,18 +160,17 @@ def smooth_methods(
     """Return all methods for smooth motion over a duration, s; the period is that of a scene, s."""
     numerics = numerics.resolved("trajectory")
     joints = []
-    for step in (duration / count for count in extent.joints_steps):
+    for count in extent.joints_steps:
+        step = duration / count
         engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
         joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
     if period is not None:
         engine = numerics.joints.for_cycle(period)
-        joints.append(
-            Method(engine, TRAPEZOIDAL, STEP, engine.longest(period), is_default=True)
-        )
+        step = engine.longest(period)
+        joints.append(Method(engine, TRAPEZOIDAL, STEP, step, is_default=True))
     steps = [duration / count for count in extent.rk4_steps]
-    dae = dae_methods(
-        extent.tolerances, steps, replace(numerics.dae, free_step=duration)
-    )
+    default = replace(numerics.dae, free_step=duration)
+    dae = dae_methods(extent.tolerances, steps, default)
     return (*sorted(joints, key=lambda method: -method.value), *dae)
 
 
@@ -184,9 +181,8 @@ def joints_over_impacts(
     default = numerics.joints.for_cycle(period)
     methods = []
     for count in sorted({*counts, default.steps_per_contact}):
-        engine = crosscheck.finer_joints(
-            default, count / default.steps_per_contact, period
-        )
+        factor = count / default.steps_per_contact
+        engine = crosscheck.finer_joints(default, factor, period)
         methods.append(Method(engine, TRAPEZOIDAL, IMPACT, count, engine == default))
     return methods
 
@@ -235,20 +231,17 @@ def ideal_mechanism(scene: Scene, extent: Extent, report: cases.Progress) -> Pro
         output = np.column_stack([series("displacement"), series("velocity")])
         return [*np.abs(output - exact).max(axis=0), constraint_error(linkage, run)]
 
-    return Problem(
-        "ideal mechanism",
-        # Round-off after 1e5 steps.
-        {
-            "output (m)": 5e-14,
-            "output velocity (m/s)": 1e-12,
-            "constraints (m, rad)": 1e-12,
-        },
-        linkage,
-        Start(motion.position[0], motion.velocity[0]),
-        Plan(duration, 1, 1, torques=False),
-        smooth_methods(extent, duration, scene.numerics, period),
-        errors,
-    )
+    # Round-off after 1e5 steps
+    quantities = {
+        "output (m)": 5e-14,
+        "output velocity (m/s)": 1e-12,
+        "constraints (m, rad)": 1e-12,
+    }
+    start = Start(motion.position[0], motion.velocity[0])
+    plan = Plan(duration, 1, 1, torques=False)
+    methods = smooth_methods(extent, duration, scene.numerics, period)
+    name = "ideal mechanism"
+    return Problem(name, quantities, linkage, start, plan, methods, errors)
 
 
 def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
@@ -266,24 +259,19 @@ def andrews(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
     def errors(run: Run) -> Sequence[float]:
         angles = squeezer.andrews_angles(run.end.position) - squeezer.ANDREWS_ANGLES
         rates = squeezer.andrews_angles(run.end.velocity) - squeezer.ANDREWS_RATES
-        return [
-            np.abs(angles).max(),
-            np.abs(rates).max(),
-            constraint_error(linkage, run),
-        ]
+        largest = [float(np.abs(values).max()) for values in (angles, rates)]
+        return [*largest, constraint_error(linkage, run)]
 
-    angles, rates, _ = map(
-        float, errors(cases.finished(TIGHT.simulate(linkage, start, plan)))
-    )
+    exact = cases.finished(TIGHT.simulate(linkage, start, plan))
+    angle_error, rate_error, _ = errors(exact)
     quantities = {
-        "angles (rad)": angles,
-        "rates (rad/s)": rates,
+        "angles (rad)": angle_error,
+        "rates (rad/s)": rate_error,
         "constraints (m)": 1e-12,
     }
     methods = smooth_methods(extent, duration, Numerics(), None)
-    return Problem(
-        "Andrews' squeezer", quantities, linkage, start, plan, methods, errors
-    )
+    name = "Andrews' squeezer"
+    return Problem(name, quantities, linkage, start, plan, methods, errors)
 
 
 def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
@@ -306,53 +294,40 @@ def single_impact(scene: Scene, extent: Extent, report: cases.Progress) -> Probl
     numerics = scene.numerics.resolved("trajectory")
 
     def errors(run: Run) -> Sequence[float]:
-        computed = _time_and_restitution(impact, run)
+        computed_restitution, computed_time = _restitution_and_time(impact, run)
         return [
-            abs(computed.restitution - restitution),
-            abs(computed.contact_time - contact_time),
+            abs(computed_restitution - restitution),
+            abs(computed_time - contact_time),
             abs(float(run.diagnostics["energy_residual_J"])) / kinetic,
         ]
 
-    return Problem(
-        "one impact",
-        {
-            "restitution": 1e-14,
-            "contact time (s)": max(uncertainty, 1e-14 * contact_time),
-            "energy residual / kinetic": 0.0,
-        },
-        linkage,
-        start,
-        Plan(duration, 1, 1, torques=False),
-        contact_methods(extent, numerics, scene.mechanism.period, duration, linkage),
-        errors,
-    )
+    quantities = {
+        "restitution": 1e-14,
+        "contact time (s)": max(uncertainty, 1e-14 * contact_time),
+        "energy residual / kinetic": 0.0,
+    }
+    plan = Plan(duration, 1, 1, torques=False)
+    period = scene.mechanism.period
+    methods = contact_methods(extent, numerics, period, duration, linkage)
+    return Problem("one impact", quantities, linkage, start, plan, methods, errors)
 
 
-class _Impact(NamedTuple):
-    """Result of the free impact in a run."""
-
-    restitution: float
-    contact_time: float  # s
-
-
-def _time_and_restitution(impact: references.Impact, run: Run) -> _Impact:
-    """Return contact time and restitution; RunFailed unless there is one complete contact."""
+def _restitution_and_time(impact: references.Impact, run: Run) -> tuple[float, float]:
+    """Return restitution and contact time, s; RunFailed unless there is one complete contact."""
     contacts = cases.contacts_of(run)
     count = contacts["touchdown"].size
     if count != 1:
         raise RunFailed(f"expected one contact, found {count}")
     # No force acts after the contact, so that its end follows from the final state.
-    ring, shaft = references.RING_X, references.SHAFT_X
+    ring = references.RING_X
+    shaft = references.SHAFT_X
     gap = run.end.position[shaft] - run.end.position[ring] - impact.clearance
     rate = run.end.velocity[shaft] - run.end.velocity[ring]
     if not (gap < 0.0 and rate < 0.0):
         raise RunFailed("the shaft is still in contact, or has passed through the ring")
     (touchdown,) = contacts["touchdown"]
     (release_speed,) = contacts["release_speed"]
-    return _Impact(
-        restitution=-release_speed / impact.speed,
-        contact_time=run.time - gap / rate - touchdown,
-    )
+    return -release_speed / impact.speed, run.time - gap / rate - touchdown
 
 
 def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Problem:
@@ -370,23 +345,22 @@ def with_clearance(scene: Scene, extent: Extent, report: cases.Progress) -> Prob
     second: Engine = InHouse("dopri5", 1e-13)
     if not isinstance(branches_of(linkage), str):
         second = ExudynTree(1e-12)
-    exact, check = (
-        cases.finished(engine.for_cycle(period).simulate(linkage, start, plan))
-        for engine in (TIGHT, second)
-    )
+    runs = []
+    for engine in (TIGHT, second):
+        run = engine.for_cycle(period).simulate(linkage, start, plan)
+        runs.append(cases.finished(run))
+    exact, check = runs
     first = crosscheck.touchdowns_of(exact)[: crosscheck.FIRST_TOUCHDOWNS]
+    end_of_exact = _output_at_end(linkage, exact)
 
     def errors(run: Run) -> Sequence[float]:
-        differences = crosscheck.touchdown_differences(
-            first, crosscheck.touchdowns_of(run)
-        )
+        touchdowns = crosscheck.touchdowns_of(run)
+        differences = crosscheck.touchdown_differences(first, touchdowns)
         missing = int(np.count_nonzero(np.isinf(differences[:, 0])))
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
         times, speeds, forces = differences.max(axis=0, initial=0.0)
-        position, velocity = np.abs(
-            _output_at_end(linkage, run) - _output_at_end(linkage, exact)
-        )
+        position, velocity = np.abs(_output_at_end(linkage, run) - end_of_exact)
         energy = cases.missing_energy(run)
         numbers = (position, times, velocity, speeds, forces, energy)
         return [float(number) for number in numbers]
@@ -407,5 +381,5 @@ def _output_at_end(linkage: Linkage, run: Run) -> Array:
     return motion.output(linkage)[0, :2]
 
 
-# Each gets a scene, an extent, and a function to report progress.
+# Each function gets a scene, an extent, and a function to report progress.
 MAKERS = (ideal_mechanism, andrews, single_impact, with_clearance)

@@ -128,10 +128,10 @@ def divergence_time(
     """Return the time, s, at which output point or eccentricities first differ by a distance, m."""
     time, largest, _ = output_difference(first, second).T
     pairs = zip(first.eccentricity.T, second.eccentricity.T, strict=True)
-    for ours, theirs in pairs:
-        there = np.interp(time, second.time, theirs)
-        between = np.interp(time, first.time, ours) - there
-        largest = np.maximum(largest, np.abs(between))
+    for first_values, second_values in pairs:
+        place = np.interp(time, first.time, first_values)
+        second_place = np.interp(time, second.time, second_values)
+        largest = np.maximum(largest, np.abs(place - second_place))
     late = np.flatnonzero(largest >= distance)
     return float(time[late[0]]) if late.size else None
 
@@ -150,7 +150,7 @@ class _Runner:
         """Run from the start, or from the disturbed start; RunFailed if the run fails."""
         self.report(word, 0.0)
         start = (moved and self.moved) or self.start
-        plan = replace(plan, report=lambda part, recorder: self.report(word, part))
+        plan = replace(plan, report=lambda share, recorder: self.report(word, share))
         return finished(engine.simulate(self.linkage, start, plan))
 
     def trajectory(
@@ -218,6 +218,11 @@ class Crosscheck:
     def as_dict(self) -> dict[str, Any]:
         """Return the result as plain data."""
         names = self.scene.clearance_joints
+        checks = [asdict(check) | {"passed": check.passed} for check in self.checks]
+        touchdowns = []
+        for row in self.touchdowns.tolist():
+            touchdown = dict(zip(TOUCHDOWN, row, strict=True))
+            touchdowns.append(touchdown | {"joint": names[int(row[JOINT])]})
         return {
             "scene": self.scene.as_dict(),
             "provenance": provenance(),
@@ -225,11 +230,8 @@ class Crosscheck:
             "diverged": self.diverged,
             "passed": self.passed,
             "undecided": self.undecided,
-            "checks": [{**asdict(each), "passed": each.passed} for each in self.checks],
-            "touchdowns": [
-                {**dict(zip(TOUCHDOWN, row, strict=True)), "joint": names[int(row[0])]}
-                for row in self.touchdowns.tolist()
-            ],
+            "checks": checks,
+            "touchdowns": touchdowns,
             "statistics": self.statistics,
         }
 
@@ -243,8 +245,8 @@ def exudyn_of(scene: Scene) -> dict[str, Engine]:
     engine = scene.solver.for_cycle(period)
     engines: dict[str, Engine] = {}
     if isinstance(engine, ExudynTree):
-        for part in TOLERANCE_PARTS:
-            tolerance = engine.tolerance / part
+        for divisor in TOLERANCE_PARTS:
+            tolerance = engine.tolerance / divisor
             name = f"Exudyn's tree at {tolerance:g}"
             engines[name] = replace(engine, tree_tolerance=tolerance)
         return engines
@@ -290,7 +292,7 @@ def check_engines(scene: Scene, duration: float | None, report: Progress) -> Cro
         compared[word] = runner.trajectory(word, engine, end)
         distances[word] = output_difference(reference, compared[word])
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
-    checks = [*_exudyn_checks(is_tree, reference, compared, distances)]
+    checks = list(_exudyn_checks(is_tree, reference, compared, distances))
     if len(reference.touchdowns):
         checks.append(_check_integrators(runner, precise, reference, end))
     undecided: list[str] = []
@@ -333,9 +335,9 @@ def _exudyn_checks(
     """Check the finest run of Exudyn against the reference, and the order of all runs."""
     first = reference.touchdowns[:FIRST_TOUCHDOWNS]
     name = list(compared)[-1]
-    differences = [
-        touchdown_differences(first, each.touchdowns) for each in compared.values()
-    ]
+    differences = []
+    for trajectory in compared.values():
+        differences.append(touchdown_differences(first, trajectory.touchdowns))
     time, distance, speed = distances[name].T
     yield Check(f"{name}: output", float(distance.max()), OUTPUT_BOUND, "m")
     if len(first):
@@ -347,27 +349,19 @@ def _exudyn_checks(
         yield Check(f"{count} touches, times", times, time_bound, "s")
         yield Check(f"{count} closing speeds", speeds, CLOSING_BOUND, "relative")
         yield Check(f"{count} peak forces", forces, FORCE_BOUND, "relative")
-        yield Check(
-            f"{name}: velocity to touch {len(first)}",
-            largest,
-            VELOCITY_BOUND,
-            "relative",
-        )
+        words = f"{name}: velocity to touch {len(first)}"
+        yield Check(words, largest, VELOCITY_BOUND, "relative")
         if is_tree:
             words = f"{name}: output to touch {len(first)}"
             yield Check(words, float(distance[early].max()), TREE_OUTPUT_BOUND, "m")
     if not is_tree:
         # Without touchdowns, the distance of the output has the order.
-        errors = [
-            distance.max() for _, distance, _ in map(np.transpose, distances.values())
-        ]
+        errors = [curve[:, 1].max() for curve in distances.values()]
         if len(first):
-            times_off = (each[:, 0] for each in differences)
-            errors = [np.sqrt(np.mean(off**2)) for off in times_off]
+            errors = [np.sqrt(np.mean(table[:, 0] ** 2)) for table in differences]
         order = -order_of(FINENESS, errors)
-        yield Check(
-            f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND
-        )
+        words = f"Exudyn's order {order:.2f}, from 2"
+        yield Check(words, abs(order - ORDER), ORDER_BOUND)
 
 
 def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str], Means]:
@@ -389,11 +383,11 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
         means[word.lower()] = {
             key: pooled([cycle(name, k)])[0] for key, (name, k) in quantities.items()
         }
+    in_house, by_exudyn = means.values()
     checks = list[Check]()
     undecided = list[str]()
-    for quantity in quantities:
-        ours, theirs = (each[quantity] for each in means.values())
-        compared = mean_check(quantity, ours, theirs, len(quantities))
+    for quantity, mean in in_house.items():
+        compared = mean_check(quantity, mean, by_exudyn[quantity], len(quantities))
         if isinstance(compared, Check):
             checks.append(compared)
         else:

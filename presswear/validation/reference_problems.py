@@ -78,7 +78,8 @@ EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}
 
 
 # Indices of the x of ring and shaft in the position of ``Impact.linkage``
-RING_X, SHAFT_X = 0, 3
+RING_X = 0
+SHAFT_X = 3
 
 
 @dataclass(frozen=True)
@@ -161,27 +162,21 @@ def impact_checks() -> Iterator[Check]:
         for nominal, expected in values.items():
             yield from _restitution_checks(Impact(nominal, law=law), expected)
     impact = Impact(0.9, clearance=1e-5)
-    recorder = finished(
-        TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
-    ).recorder
-    velocity = recorder.series("velocity")
+    run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
+    series = finished(run).recorder.series
+    velocity = series("velocity")
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the initial one of the shaft.
     rate = velocity - (impact.speed - velocity) / 3.0
-    curve = CubicHermiteSpline(
-        recorder.series("time"), recorder.series("penetration", 0), rate
-    )
+    curve = CubicHermiteSpline(series("time"), series("penetration", 0), rate)
     deepest = float(curve(curve.derivative().roots(extrapolate=False)).max())
-    yield Check.against(
-        "penetration over closed form, dae", 1.0, deepest / impact.deepest, 1e-8
-    )
+    name = "penetration over closed form, dae"
+    yield Check.against(name, 1.0, deepest / impact.deepest, 1e-8)
     impact = Impact(1.0)
     contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, _IMPACT_PLAN))
-    duration = (
-        (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
-    )
-    yield Check.against(
-        "Hertz: duration (delta_max/v), dae", HERTZ_DURATION, duration, 1e-8
-    )
+    duration = contact["separation"] - contact["touchdown"]  # s
+    relative = duration * impact.speed / impact.deepest
+    name = "Hertz: duration (delta_max/v), dae"
+    yield Check.against(name, HERTZ_DURATION, relative, 1e-8)
 
 
 _IMPACT_PLAN = Plan(0.005, 1)
@@ -202,9 +197,8 @@ def _restitution_checks(impact: Impact, expected: float) -> Iterator[Check]:
         joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
         run = joints.simulate(impact.linkage, impact.start, _IMPACT_PLAN)
         restitution = delivered(run, impact.speed)
-        yield Check.against(
-            f"{name}, Exudyn, {steps} steps", expected, restitution, 1e-4
-        )
+        name = f"{name}, Exudyn, {steps} steps"
+        yield Check.against(name, expected, restitution, 1e-4)
 
 
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
@@ -289,19 +283,13 @@ def creep_speed(friction: FrictionLaw, slope: float) -> float:
     )
 
 
-def friction_checks() -> Iterator[Check]:
-    """Check SDND100, creep on an incline, and slowing on the flat."""
-    yield from _sdnd100_checks()
-    yield from _sliding_checks()
-
-
 def _run_of(problem: tuple[Linkage, Start], time: float) -> Run:
     """Return the run of a linkage from its start for a time, s."""
     return finished(TIGHT.simulate(*problem, Plan(time, 1, recorded_cycles=1)))
 
 
-def _sdnd100_checks() -> Iterator[Check]:
-    """Check places and times of the turning points, and where the mass sticks."""
+def friction_checks() -> Iterator[Check]:
+    """Check turning points and sticking of SDND100, and the speeds of a sliding block."""
     run = _run_of(sdnd100(SHARP), 4.5 * SDND100_INTERVAL)
     released, *extrema = SDND100_EXTREMA
     # Each turn is extrapolated from the last row before it, because friction changes
@@ -316,13 +304,13 @@ def _sdnd100_checks() -> Iterator[Check]:
     time_to_turn = -v / a
     positions = released + x + time_to_turn * (v + 0.5 * a * time_to_turn)
     millimetres = [1e3 * x for x in extrema]
-    yield worst_of(
-        "SDND100, dae: worst turning point (mm)", millimetres, 1e3 * positions, 1e-5
-    )
+    name = "SDND100, dae: worst turning point (mm)"
+    yield worst_of(name, millimetres, 1e3 * positions, 1e-5)
     expected = [SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
     yield worst_of("SDND100, dae: its time (s)", expected, t + time_to_turn, 1e-5)
     place = 1e3 * float(run.end.position[0])
     yield Check.against("SDND100, dae: sticks at (mm)", millimetres[-1], place, 1e-4)
+    yield from _sliding_checks()
 
 
 def _sliding_checks() -> Iterator[Check]:
@@ -374,22 +362,20 @@ def bouncing_checks() -> Iterator[Check]:
     """Check twenty bounces of a ball and the total time, with the rest as a geometric series."""
     restitution = DELIVERED["lankarani-nikravesh"][0.9]
     series = 2.0 / GRAVITY / (1.0 - restitution)
-    values = []
+    values = []  # total time, s, and last rebound, m/s, by stiffness
     for flights, speeds in map(_bounces, BALL_STIFFNESS):
         rebound = float(speeds[BOUNCES - 1])
-        values.append((float(flights[:BOUNCES].sum()) + series * rebound, rebound))
+        total = float(flights[:BOUNCES].sum()) + series * rebound
+        values.append(np.array([total, rebound]))
+    soft, stiff = values
     # The effect of gravity during a contact is proportional to the contact time, K^(-2/5).
     soft_stiffness, stiff_stiffness = BALL_STIFFNESS
     ratio = (stiff_stiffness / soft_stiffness) ** 0.4
-    pairs = zip(*values, strict=True)
-    total, rebound = (stiff + (stiff - soft) / (ratio - 1.0) for soft, stiff in pairs)
-    yield Check.against(
-        "bouncing ball, dae: total time (s)", series * BALL_SPEED, total, 1e-6
-    )
-    expected = BALL_SPEED * restitution**BOUNCES
-    yield Check.against(
-        f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6
-    )
+    total, rebound = (stiff + (stiff - soft) / (ratio - 1.0)).tolist()
+    name = "bouncing ball, dae: total time (s)"
+    yield Check.against(name, series * BALL_SPEED, total, 1e-6)
+    name = f"bouncing ball, dae: rebound {BOUNCES} (m/s)"
+    yield Check.against(name, BALL_SPEED * restitution**BOUNCES, rebound, 1e-6)
 
 
 def reference_cases() -> list[Case]:
