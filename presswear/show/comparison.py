@@ -9,7 +9,7 @@ from presswear.scene.catalog import title_of
 from presswear.scene.differences import differences
 from presswear.scene.scene import Scene
 from presswear.scene.setting_keys import settings_by_key
-from presswear.scene.setting_list import settings_of
+from presswear.scene.setting_list import Setting, settings_of
 from presswear.show import page
 from presswear.show.figures import FIRST, FIRST_COUNT, drawn_if_stored
 from presswear.show.key_numbers import key_numbers, stages_with_numbers
@@ -159,14 +159,18 @@ def setting_pairs(first: Scene, second: Scene) -> list[SettingPair]:
     listed = [setting.key for setting in [*settings_of(first), *settings_of(second)]]
     pairs = []
     for key in dict.fromkeys(listed):
-        both = first_settings.get(key), second_settings.get(key)
-        meaning = next(setting.meaning for setting in both if setting)
-        before, after = (setting.value if setting else NOTHING for setting in both)
+        settings = first_settings.get(key), second_settings.get(key)
+        meaning = next(setting.meaning for setting in settings if setting)
+        before, after = map(_value_of, settings)
         if before != after:
             texts = _written(before, meaning), _written(after, meaning)
             pairs.append(SettingPair(key, *texts, meaning.text))
     keys = {*first_settings, *second_settings}
     return [*pairs, *_other_differences(first, second, keys)]
+
+
+def _value_of(setting: Setting | None) -> Any:
+    return NOTHING if setting is None else setting.value
 
 
 def _written(value: Any, meaning: Any) -> str:

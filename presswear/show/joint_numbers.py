@@ -19,6 +19,7 @@ from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import IDEAL
 from presswear.show.key_number import (
     ENOUGH,
+    UNKNOWN,
     enough_cycles,
     fewest_strokes,
     measured,
@@ -116,6 +117,14 @@ def reason_without_interval(stage: StageResult) -> str:
     if settling and settling.is_mixture:
         return f"{len(settling.motions)} motions"
     return "bumps, see the warning" if stage.statistics.high_bumps else ""
+
+
+def explained(number: KeyNumber, stage: StageResult) -> KeyNumber:
+    """Return a peak value of a stage with the reason for a missing interval as its note."""
+    reason = reason_without_interval(stage)
+    if number.interval == UNKNOWN and reason:
+        return number._replace(note=reason)
+    return number
 
 
 def _largest_force(stage: StageResult, joint: str) -> Estimate:

@@ -27,9 +27,11 @@ def enough_cycles(scene: Scene) -> int:
 
 def fewest_strokes(stages: Sequence[StageResult]) -> int:
     """Return the least number of strokes behind a peak force, or ENOUGH if it is larger."""
-    joints = [joint for stage in stages for joint in stage.statistics.joints.values()]
-    samples = [joint.peak_force_per_cycle.samples for joint in joints]
-    return min([*samples, ENOUGH])
+    fewest = ENOUGH
+    for stage in stages:
+        for joint in stage.statistics.joints.values():
+            fewest = min(fewest, joint.peak_force_per_cycle.samples)
+    return fewest
 
 
 def measured(

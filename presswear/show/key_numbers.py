@@ -19,8 +19,7 @@ from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.show.drive_numbers import drive_numbers
 from presswear.show.figures.life import limit_text
-from presswear.show.joint_numbers import joint_numbers, pins_of, reason_without_interval
-from presswear.show.key_number import UNKNOWN
+from presswear.show.joint_numbers import explained, joint_numbers, pins_of
 from presswear.show.page import KeyNumber
 from presswear.show.stroke_numbers import motion_numbers, stroke_numbers
 from presswear.show.wear_number import wear_per_million_strokes
@@ -29,7 +28,6 @@ from presswear.tools import numbers
 
 # Part of the greatest wear or force from which another joint is named as well
 _CLOSE = 0.9
-ENDS_LIFE = "It ends the service life."  # reason to improve a joint first
 
 
 def key_numbers(result: Result) -> list[KeyNumber]:
@@ -40,21 +38,10 @@ def key_numbers(result: Result) -> list[KeyNumber]:
         return of_life
     scene = result.scene
     last = stages[-1]
-    reason = reason_without_interval(last)
-
-    def explained(peaks: list[KeyNumber]) -> list[KeyNumber]:
-        """Return peak values with the reason for a missing interval as their note."""
-        if not reason:
-            return peaks
-        return [
-            peak._replace(note=reason) if peak.interval == UNKNOWN else peak
-            for peak in peaks
-        ]
-
     of_last = motion_numbers(scene, last)
     of_last += stroke_numbers(scene, last)
-    of_last += explained(joint_numbers(scene, stages))
-    of_last += explained(drive_numbers(scene, stages))
+    peaks = joint_numbers(scene, stages) + drive_numbers(scene, stages)
+    of_last += [explained(peak, last) for peak in peaks]
     result_numbers = of_life + _with_surfaces(of_last, result, last)
     if result.life is None:
         result_numbers += _wear(result, stages)
@@ -76,10 +63,10 @@ def _with_surfaces(
 ) -> list[KeyNumber]:
     """Return numbers of a stage with its surfaces in words, where they depend on the wear."""
     words = surfaces_of(result, stage)
-    return [
-        number._replace(stage=words) if number.depends_on_wear else number
-        for number in stage_numbers
-    ]
+    named = []
+    for number in stage_numbers:
+        named.append(number._replace(stage=words if number.depends_on_wear else ""))
+    return named
 
 
 def surfaces_of(result: Result, stage: StageResult) -> str:
@@ -88,8 +75,8 @@ def surfaces_of(result: Result, stage: StageResult) -> str:
         return ""
     if stage.index == 0:
         return "on the initial surfaces" if stage.is_worn else "on new surfaces"
-    before = [one for one in result.stages if one.index < stage.index]
-    strokes = numbers.large(sum(one.cycles_per_update for one in before))
+    earlier = result.stages[: stage.index]
+    strokes = numbers.large(sum(before.cycles_per_update for before in earlier))
     return f"after {strokes} strokes"
 
 
@@ -104,7 +91,8 @@ def _life(result: Result, life: LifeResult) -> KeyNumber:
     hours = numbers.readable(life.strokes * mean_period(result) / 3600.0, 2)
     first = life.first
     name = "Service life"
-    name += f", {life.ended}" if life.ended in WITHOUT_CURVES else ""
+    if life.ended in WITHOUT_CURVES:
+        name += f", {life.ended}"
     if first is None:
         value = f"more than {numbers.large(life.strokes)} strokes"
         return KeyNumber(name, value, "", f"No limit is exceeded in {hours} hours.")
@@ -128,38 +116,29 @@ def _improvement(
     joints = pins_of(scene, stage)
     if len(joints) < 2:
         return []
+    name = "Improve first"
     if life is not None and life.first is not None and "." in life.first.key:
-        joint = life.first.key.partition(".")[0]
-        reason = ENDS_LIFE
-    else:
-        volumes = {name: numbers.wear_volume for name, numbers in joints.items()}
-        total = sum(volume.mean for volume in volumes.values())
-        if total > 0.0:
-            first = _rivals(volumes)
-            joint = " or ".join(first)
-            share = 100.0 * sum(volumes[name].mean for name in first) / total
-            reason = f"{share:.0f} % of the material that the joints lose in a stroke is there."
-            if len(first) == len(volumes):
-                reason = "All joints lose about as much material in a stroke."
-            if oil_films(scene):
-                reason += " This is for dry contact; see the oil films."
-        else:
-            forces = {
-                name: numbers.peak_force_per_cycle for name, numbers in joints.items()
-            }
-            joint = " or ".join(_rivals(forces))
-            reason = "The largest force is there."
-        reason += " presswear improve compares changes of each joint."
-    depends_on_wear = reason != ENDS_LIFE
-    return [
-        KeyNumber(
-            "Improve first",
-            f"joint {joint}",
-            "",
-            reason,
-            depends_on_wear=depends_on_wear,
+        joint, _, _ = life.first.key.partition(".")
+        text = "It ends the service life."
+        return [KeyNumber(name, f"joint {joint}", "", text, depends_on_wear=False)]
+    volumes = {pin: statistics.wear_volume for pin, statistics in joints.items()}
+    total = sum(volume.mean for volume in volumes.values())
+    if total > 0.0:
+        first = _rivals(volumes)
+        share = 100.0 * sum(volumes[pin].mean for pin in first) / total
+        reason = (
+            f"{share:.0f} % of the material that the joints lose in a stroke is there."
         )
-    ]
+        if len(first) == len(volumes):
+            reason = "All joints lose about as much material in a stroke."
+        if oil_films(scene):
+            reason += " This is for dry contact; see the oil films."
+    else:
+        forces = {pin: joint.peak_force_per_cycle for pin, joint in joints.items()}
+        first = _rivals(forces)
+        reason = "The largest force is there."
+    reason += " presswear improve compares changes of each joint."
+    return [KeyNumber(name, f"joint {' or '.join(first)}", "", reason)]
 
 
 def _rivals(values: Mapping[str, Estimate]) -> list[str]:

@@ -6,8 +6,8 @@ from presswear.results.guide_tilt import ALLOWED_TILT, GuideTilt, guide_tilts
 from presswear.results.motor_load import ALLOWED_DROP, leader_speed, motor_loads
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.show.joint_numbers import LOADS, bearing_loads, reason_without_interval
-from presswear.show.key_number import UNKNOWN, measured
+from presswear.show.joint_numbers import LOADS, bearing_loads, explained
+from presswear.show.key_number import measured
 from presswear.show.page import LimitLine, Verdict
 from presswear.show.words import number_in_words_of
 from presswear.tools import numbers
@@ -48,7 +48,6 @@ def _bearing_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     Without limits they are those of the pins where they are greatest.
     """
     lines = []
-    reason = reason_without_interval(stage)
     settling = stage.statistics.settling
     for key, loads in bearing_loads(scene, stage).items():
         limits = {name: getattr(scene.bearing(name), key) for name in loads}
@@ -64,8 +63,7 @@ def _bearing_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
         if key == "pressure_limit" and settling and settling.is_mixture:
             words += ", of the motion with the largest force,"
         number = measured(title, loads[at], unit, f"{words} at joint {at} ({size}).")
-        if number.interval == UNKNOWN:
-            number = number._replace(note=reason or number.note)
+        number = explained(number, stage)
         if limits[at]:
             limit = numbers.quantity_text(limits[at], unit)
             lines.append(LimitLine(number, limit, verdict_on(ratios[at], 1.0)))
@@ -81,32 +79,34 @@ def _tilt_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     limit = f"{1e6 * ALLOWED_TILT:.0f} µm/m"
     lines = []
     for name in on_frame if tilts else ():
-        for largest, text in _largest_tilt(name, tilts[name]):
-            number = measured("Tilt of the slide", largest.scaled(1e6), "µm/m", text)
-            lines.append(LimitLine(number, limit, verdict_on(largest, ALLOWED_TILT)))
+        at_work = tilts[name].at_work
+        if at_work:  # empty without a series
+            at = key_of_greatest(at_work)
+            text = _tilt_text(name, tilts[name], at)
+            number = measured(
+                "Tilt of the slide", at_work[at].scaled(1e6), "µm/m", text
+            )
+            verdict = verdict_on(at_work[at], ALLOWED_TILT)
+            lines.append(LimitLine(number, limit, verdict))
     return lines
 
 
-def _largest_tilt(guide: str, tilt: GuideTilt) -> list[tuple[Estimate, str]]:
-    """Return the largest tilt at the work with its meaning; empty without a series."""
-    if not tilt.at_work:
-        return []
-    at = key_of_greatest(tilt.at_work)
+def _tilt_text(guide: str, tilt: GuideTilt, at: str) -> str:
+    """Return the meaning of the largest tilt at the work, and the tilts at other times."""
     text = (
         f"In {guide}, largest at {at}; makers of presses ask for the limit under load."
     )
-    rest = [
-        f"at {words} {microns_per_metre(value)}"
-        for words, value in tilt.at_work.items()
-        if words != at
-    ]
+    rest = []
+    for words, value in tilt.at_work.items():
+        if words != at:
+            rest.append(f"at {words} {microns_per_metre(value)}")
     if tilt.greatest is not None:
         rest.append(f"greatest in a stroke {microns_per_metre(tilt.greatest)}")
     text += f" Also {', '.join(rest)} µm/m." if rest else ""
     if tilt.corner_force is not None:
         force = numbers.quantity_text(tilt.corner_force.mean, "N")
         text += f" Greatest force of a corner: {force}."
-    return [(tilt.at_work[at], text)]
+    return text
 
 
 def _motor_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
@@ -127,20 +127,19 @@ def _frame_lines(scene: Scene, stage: StageResult) -> list[LimitLine]:
     """Return the reverse force of each elastic frame after the fracture."""
     lines = []
     for name, load in frame_loads(scene, stage).items():
-        part = load.reverse_fraction
-        if part is not None:
+        reverse = load.reverse_fraction
+        if reverse is not None:
             text = f"Of {name} after the fracture, over its greatest force; press makers allow "
             text += "the limit."
-            lines.append(
-                _percent("Reverse force of the frame", part, ALLOWED_REVERSE, text)
-            )
+            title = "Reverse force of the frame"
+            lines.append(_percent(title, reverse, ALLOWED_REVERSE, text))
     return lines
 
 
-def _percent(name: str, part: Estimate, limit: float, meaning: str) -> LimitLine:
-    """Return the line of a part that is shown in per cent."""
-    number = measured(name, part.scaled(100.0), "%", meaning)
-    return LimitLine(number, f"{100.0 * limit:.0f} %", verdict_on(part, limit))
+def _percent(name: str, share: Estimate, limit: float, meaning: str) -> LimitLine:
+    """Return the line of a share, 0 to 1, that is shown in per cent."""
+    number = measured(name, share.scaled(100.0), "%", meaning)
+    return LimitLine(number, f"{100.0 * limit:.0f} %", verdict_on(share, limit))
 
 
 def microns_per_metre(tilt: Estimate) -> str:

@@ -5,7 +5,6 @@ beside the mechanism, much larger than the radii, as in the replay.
 """
 
 import json
-import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -281,7 +280,7 @@ def _frame_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
             continue
         k = linkage.index(guide.body)
         places = film.position[:, 3 * k : 3 * k + 2]
-        along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
+        along = shapes.direction(guide.direction)
         travel = (places - places[0]) @ along
         ends = places[0] + np.outer([travel.min(), travel.max()], along)
         ends = drawing.scale * (ends - drawing.low) + np.outer([-14.0, 14.0], along)

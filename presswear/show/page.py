@@ -210,11 +210,10 @@ def _illustration(drawing: Drawing, folder: Path) -> Illustration:
 
 def drawn_inline(drawings: Iterable[Drawing]) -> list[Illustration]:
     """Draw figures for a page without files."""
-    figures = []
-    for drawing in drawings:
-        svg = svg_of(drawing)
-        figures.append(Illustration(drawing.file, drawing.title, drawing.caption, svg))
-    return figures
+    return [
+        Illustration(drawing.file, drawing.title, drawing.caption, svg_of(drawing))
+        for drawing in drawings
+    ]
 
 
 def _svg_of_image(image: Image, data: bytes) -> str:

@@ -1,6 +1,7 @@
 """Report as a PDF for an author: key numbers, tables, and figures as vectors with fonts."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -78,14 +79,10 @@ def _write_texts(
         ]
         head = f"Limits {screen.limits_stage}".rstrip()
         texts.table(head, ("", "value", "limit", ""), [("", rows)])
-    numbers = [
-        (
-            number.title,
-            number.value,
-            ", ".join(filter(None, (number.interval, number.note))),
-        )
-        for number in screen.key_numbers
-    ]
+    numbers = []
+    for number in screen.key_numbers:
+        interval = ", ".join(filter(None, (number.interval, number.note)))
+        numbers.append((number.title, number.value, interval))
     if numbers:
         texts.table("Key numbers", ("", "value", "95 % interval"), [("", numbers)])
     for warning in screen.warnings:
@@ -142,7 +139,7 @@ class _Texts:
     ) -> None:
         """Write a table: its heading, its head, and its lines with headings of groups."""
         groups = [(name, list(lines)) for name, lines in groups]
-        widths = _widths(head, [line for _, lines in groups for line in lines])
+        widths = _widths(head, list(chain(*(lines for _, lines in groups))))
         self.height -= 0.5 * LINE
         self._make_room(4.0 * LINE)
         self.paragraph(heading, size=10.0, weight="bold")

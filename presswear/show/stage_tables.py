@@ -223,11 +223,13 @@ def drive_table(result: Result) -> Table | None:
 
 def _with_clear_means(drive: DriveDuty) -> DriveDuty:
     """Return a duty of rigid joints whose means are 0 where they are round-off."""
-    torque, power = (
-        duty._replace(mean=_without_round_off(duty.mean, duty.rms))
-        for duty in (drive.torque, drive.power)
+    torque = _without_round_off(drive.torque.mean, drive.torque.rms)
+    power = _without_round_off(drive.power.mean, drive.power.rms)
+    return replace(
+        drive,
+        torque=drive.torque._replace(mean=torque),
+        power=drive.power._replace(mean=power),
     )
-    return replace(drive, torque=torque, power=power)
 
 
 def _without_round_off(value: float, scale: float) -> float:
@@ -249,7 +251,9 @@ def growth_table(result: Result) -> Table | None:
 
 def _steps_record(steps: Sequence[WearStep], joints: Sequence[str]) -> Record:
     """Return the values of the steps of a wear update."""
-    forces = {joint: max(step.peak_force[joint] for step in steps) for joint in joints}
+    forces = {}
+    for joint in joints:
+        forces[joint] = max(step.peak_force[joint] for step in steps)
     return {
         "steps": len(steps),
         "represented": sum(step.cycles_per_update for step in steps),

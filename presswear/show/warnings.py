@@ -64,12 +64,12 @@ def _energy_warnings(scene: Scene, stage: StageResult) -> list[str]:
     created_fraction = stage.statistics.energy_made_fraction
     if created_fraction <= MAX_CREATED_ENERGY:
         return []
-    part = numbers.readable(100.0 * created_fraction, 2)
+    percent = numbers.readable(100.0 * created_fraction, 2)
     laws = [scene.bearing(name).normal_law for name in scene.loose_pins]
     has_user_law = any(isinstance(law, UserFunction) for law in laws)
     is_radial = scene.conventions.contact == "radial"
     return [
-        f"{stage.name.capitalize()}: contact forces create {part} % of the energy that the "
+        f"{stage.name.capitalize()}: contact forces create {percent} % of the energy that the "
         "joints dissipate. Forces and wear may be wrong by as much."
         + (FOUNDATION_ADVICE if is_radial and not has_user_law else "")
     ]
@@ -80,16 +80,17 @@ def _sampling_warnings(scene: Scene, stages: list[StageResult]) -> list[str]:
     lines = []
     errors = [stage.statistics.peak_force_step_error or 0.0 for stage in stages]
     if (error := max(errors, default=0.0)) > MAX_STEP_ERROR:
-        part = numbers.readable(100.0 * error, 2)
+        percent = numbers.readable(100.0 * error, 2)
         name = scene.solver.tolerance_name
         advice = f"a smaller {name}" if name else "more steps_per_contact"
-        lines.append(f"Finer time steps change peak forces by {part} %: use {advice}.")
+        line = f"Finer time steps change peak forces by {percent} %: use {advice}."
+        lines.append(line)
     strokes = fewest_strokes(stages)
     if strokes < ENOUGH:
         counted = numbers.counted(strokes, "stroke")
         line = f"Few strokes: peak forces are means of {counted}, and uncertain."
         settlings = [stage.statistics.settling for stage in stages]
-        if any(one and one.verdict == "unwatched" for one in settlings):
+        if any(settling and settling.verdict == "unwatched" for settling in settlings):
             line += " They are too few to see whether the motion settles."
         lines.append(f"{line} Run more: cycles = {enough_cycles(scene)} or more.")
     return lines
@@ -99,17 +100,15 @@ def _load_warnings(scene: Scene, stage: StageResult) -> list[str]:
     """Return sentences on pin pressures of unusual size, and on a p v that is not computed."""
     lines = []
     loads = bearing_loads(scene, stage)
-    if "pv_limit" not in loads and any(
-        scene.bearing(name).pv_limit for name in stage.joints
-    ):
+    has_limit = any(scene.bearing(name).pv_limit for name in stage.joints)
+    if has_limit and "pv_limit" not in loads:
         lines.append(
             "pv_limit is not compared: it needs slip = sliding, as in refined, and no film."
         )
-    pressures = {
-        name: load.mean
-        for name, load in loads.get("pressure_limit", {}).items()
-        if scene.bearing(name).pressure_limit is None
-    }
+    pressures = {}
+    for name, load in loads.get("pressure_limit", {}).items():
+        if scene.bearing(name).pressure_limit is None:
+            pressures[name] = load.mean
     words = "the pin pressure of {joints}"
     return lines + unusual_joints("pin pressure", pressures, words)
 

@@ -26,9 +26,8 @@ def stretch_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), height, is_measured=True)
     marks: dict[str, str] = {}
     for k, (guide, axes) in enumerate(zip(guides, panels, strict=True)):
-        pairs = zip(shown, moving, strict=True)
         stretch = partial(_stretch, number=k)
-        marks |= draw_with_moments(axes, result, pairs, stretch, window)
+        marks |= draw_with_moments(axes, result, shown, moving, stretch, window)
         axes.set_ylabel(f"stretch of {guide.name} (µm)")
     window.label(panels, zones)
     for guide, axes in zip(guides, zones or panels, strict=True):

@@ -39,9 +39,8 @@ def tilt_over_angle(result: Result, moving: Shown) -> list[Drawing]:
     sheet, panels, zones = window.rows(len(guides), 0.6 + 2.4 * len(guides))
     marks: dict[str, str] = {}
     for axes, guide in zip(panels, guides, strict=True):
-        pairs = zip(shown, moving, strict=True)
         tilt = partial(_tilt, guide=guide)
-        marks |= draw_with_moments(axes, result, pairs, tilt, window)
+        marks |= draw_with_moments(axes, result, shown, moving, tilt, window)
         _draw_limits(axes, result, guide)
         axes.set_ylabel(f"tilt in {guide.name}\n(µm/m)")
     window.label(panels, zones)

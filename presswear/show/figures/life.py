@@ -1,7 +1,5 @@
 """Figure of a service life: every monitored quantity over the strokes."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
@@ -113,19 +111,21 @@ def _draw_marks(
                 alpha=0.15,
                 linewidth=0.0,
             )
-    small: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "fontsize": 7.0}
+    box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
     for service in services:
         axes.axvline(service.strokes, **_SERVICE.line_style)
         if service.joint == joint:
-            word = "rotated" if service.is_rotated else "replaced"
-            box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5}
-            line_style = small | {
-                "rotation": 90.0,
-                "ha": "right",
-                "va": "bottom",
-                "bbox": box,
-            }
-            axes.text(service.strokes, 0.03, word, **line_style)
+            axes.text(
+                service.strokes,
+                0.03,
+                "rotated" if service.is_rotated else "replaced",
+                transform=axes.get_xaxis_transform(),
+                fontsize=7.0,
+                rotation=90.0,
+                ha="right",
+                va="bottom",
+                bbox=box,
+            )
 
 
 def services_done(result: Result) -> list[Service]:

@@ -136,9 +136,8 @@ def _draw_deviation(
 
     largest = max(float(np.abs(deviation(stage.data)).max()) for stage in shown)
     factor, unit = unit_scale("m", largest)
-    pairs = zip(shown, moving, strict=True)
     marks = draw_with_moments(
-        axes, result, pairs, lambda stage: factor * deviation(stage), window
+        axes, result, shown, moving, lambda stage: factor * deviation(stage), window
     )
     axes.set_ylabel(f"displacement\nminus\nideal ({unit})")
     return marks

@@ -2,11 +2,15 @@
 
 import math
 
+import numpy as np
+
 from presswear.linkage.drives import Drive
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.show.figures import style
-from presswear.show.figures.style import Drawing, Pen, Shown
+from presswear.show.figures.style import Axes, Drawing, Pen, Shown
 from presswear.show.figures.window import draw_with_moments, sampled
+from presswear.tools.arrays import Array
 
 _RPM = 30.0 / math.pi  # 1 rad/s in 1/min
 _NOMINAL = Pen("nominal speed", style.REFERENCE, (0.0, (4.0, 2.0)), 0.9)
@@ -23,35 +27,24 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
     if leader is None:
         return []
     has_torque = all("drive_torque" in stage.data.arrays for stage in moving)
-    driven = []
-    if has_torque:
-        driven = [drive for drive in linkage.drives if drive.motor]
+    driven = [drive for drive in linkage.drives if drive.motor and has_torque]
     shown, window = sampled(result, moving)
     count = 1 + len(driven)
     sheet, panels, zones = window.rows(count, 0.6 + 1.9 * count)
     nominal = _RPM * abs(leader.speed)
-    pairs = zip(shown, moving, strict=True)
-    marks = draw_with_moments(
-        panels[0], result, pairs, lambda stage: nominal * stage.nominal_rate, window
-    )
+
+    def speed(stage: StageResult) -> Array:
+        return np.asarray(nominal * stage.nominal_rate)
+
+    marks = draw_with_moments(panels[0], result, shown, moving, speed, window)
     panels[0].axhline(nominal, **_NOMINAL.line_style)
     panels[0].set_ylabel(f"speed of {leader.body}\n(1/min)")
     for axes, drive in zip(panels[1:], driven, strict=True):
-        column = linkage.drives.index(drive)
-        sense = math.copysign(1.0, drive.mean_speed)  # positive torques drive
-        for stage in shown:
-            driving_torque = sense * stage.data.arrays["drive_torque"][:, column]
-            stage.pen.draw(axes, stage.data.time, driving_torque)
-        rated_torque = _rated_torque(drive)
-        if rated_torque is not None:
-            axes.axhline(rated_torque, **_RATED.line_style)
-        style.label_values(axes, f"torque on {drive.body}\n", "N m")
+        _draw_torque(axes, shown, linkage.drives.index(drive), drive)
     window.label(panels, zones)
-    rated_torques = [
-        torque for torque in map(_rated_torque, driven) if torque is not None
-    ]
+    has_rated = any(_rated_torque(drive) is not None for drive in driven)
     pens = [*(stage.pen for stage in shown), _NOMINAL]
-    if rated_torques:
+    if has_rated:
         pens.append(_RATED)
     slowest = 100.0 * float(shown[-1].data.nominal_rate.min())  # %
     return style.finished(
@@ -63,8 +56,20 @@ def speed_and_torque(result: Result, moving: Shown) -> list[Drawing]:
         slowest=slowest,
         leader=leader,
         has_torque=has_torque,
-        has_rated=bool(rated_torques),
+        has_rated=has_rated,
     )
+
+
+def _draw_torque(axes: Axes, shown: Shown, column: int, drive: Drive) -> None:
+    """Draw the torque of a drive, which has a column in the series, and its rated torque."""
+    sense = math.copysign(1.0, drive.mean_speed)  # positive torques drive
+    for stage in shown:
+        torque = stage.data.arrays["drive_torque"][:, column]
+        stage.pen.draw(axes, stage.data.time, sense * torque)
+    rated_torque = _rated_torque(drive)
+    if rated_torque is not None:
+        axes.axhline(rated_torque, **_RATED.line_style)
+    style.label_values(axes, f"torque on {drive.body}\n", "N m")
 
 
 def _rated_torque(drive: Drive) -> float | None:

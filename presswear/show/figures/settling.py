@@ -111,30 +111,29 @@ def draw_half_life(result: FinalMotions) -> Drawing:
     parameter = result.parameter
     factor, unit = unit_scale(parameter.unit, parameter.values[-1])
     sheet, grid = style.panels(3, 1, 6.0, is_measured=True, sharex=True)
+    of_half_life, of_share, of_force = grid[:, 0]
     colour = style.LINES[0][0]
     for settled in result.values:
         value = factor * (settled.value or 0.0)
-        _draw_half_life(grid[0, 0], value, settled)
+        _draw_half_life(of_half_life, value, settled)
         share = (settled.counted - settled.irregular) / max(settled.counted, 1)
-        grid[1, 0].plot(value, 100.0 * share, "o", color=colour)
+        of_share.plot(value, 100.0 * share, "o", color=colour)
         for motion in settled.motions:
             marker = "x" if motion.period is None else "o"
             force = max(motion.peak_force.values())
             size = 2.0 + 4.0 * motion.share.mean
-            grid[2, 0].plot(value, force, marker, color=colour, markersize=size)
-    grid[0, 0].set_yscale("log", subs=style.SUBTICKS)
-    grid[0, 0].set_ylabel("half-life of the\nirregular motion (cycles)")
-    grid[1, 0].set_ylabel("starts that\nsettled (%)")
-    grid[1, 0].set_ylim(-5.0, 105.0)
-    grid[2, 0].set_yscale("log", subs=style.SUBTICKS)
-    grid[2, 0].set_ylabel("peak force of the\nfinal motions (N)")
-    label = f"{parameter.key} ({unit})" if unit else parameter.key
-    grid[2, 0].set_xlabel(label)
-    grid[0, 0].plot(
+            of_force.plot(value, force, marker, color=colour, markersize=size)
+    of_half_life.set_ylabel("half-life of the\nirregular motion (cycles)")
+    of_share.set_ylabel("starts that\nsettled (%)")
+    of_share.set_ylim(-5.0, 105.0)
+    of_force.set_ylabel("peak force of the\nfinal motions (N)")
+    of_force.set_xlabel(f"{parameter.key} ({unit})" if unit else parameter.key)
+    of_half_life.plot(
         [], [], "^", color=colour, fillstyle="none", label="lower limit, 95 %"
     )
-    grid[2, 0].plot([], [], "x", color=colour, label="irregular motion")
-    for axes in grid[0, 0], grid[2, 0]:
+    of_force.plot([], [], "x", color=colour, label="irregular motion")
+    for axes in of_half_life, of_force:
+        axes.set_yscale("log", subs=style.SUBTICKS)
         axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0))
     sheet.align_ylabels()
     (drawing,) = style.finished(

@@ -164,10 +164,9 @@ def first_and_last(stages: Shown) -> list[ShownStage]:
 
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     """Return the names of stages; ``computed`` if nothing can wear."""
-    has_wear = bool(result.scene.clearance_joints)
-    return [
-        result.stage_name(stage.index) if has_wear else "computed" for stage in stages
-    ]
+    if not result.scene.clearance_joints:
+        return ["computed" for _ in stages]
+    return [result.stage_name(stage.index) for stage in stages]
 
 
 def between(stage: StageResult, start: float, end: float) -> StageResult:
@@ -283,8 +282,8 @@ def wrapped(label: str, width: float) -> str:
 
 def label_values(
     axes: Axes, name: str, unit: str, largest: float | None = None
-) -> tuple[float, str]:
-    """Label the vertical axis of values in SI in a display unit; return its factor and name.
+) -> None:
+    """Label the vertical axis of values in SI in a display unit.
 
     The unit is that in which the largest value, or the largest limit of the axis, reads
     well.
@@ -295,7 +294,6 @@ def label_values(
     axes.yaxis.set_major_formatter(
         lambda value, _: f"{factor * value:g}".replace("-", "−")
     )
-    return factor, shown
 
 
 def round_down(value: float) -> float:

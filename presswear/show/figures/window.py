@@ -1,7 +1,7 @@
 """Part of the motion that figures over the crank angle show, and its working zone beside it."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -197,18 +197,19 @@ def _words(first: int, count: float) -> str:
 def draw_with_moments(
     axes: Axes,
     result: Result,
-    stages: Iterable[tuple[ShownStage, ShownStage]],
+    shown: Shown,
+    moving: Shown,
     values_of: Callable[[StageResult], Array],
     window: Window,
 ) -> dict[str, str]:
     """Draw a series of stages, and mark where the work is touched, breaks and is left.
 
-    Each pair of ``stages`` is a stage cut to the window and the stage with all its rows.
-    The words of the marks are returned.
+    ``shown`` are the stages cut to the window, and ``moving`` the same stages with all
+    their rows. The words of the marks are returned.
     """
     marks = {}
-    for shown, uncut in stages:
-        shown.pen.draw(axes, shown.data.time, values_of(shown.data), linewidth=0.8)
+    for stage, uncut in zip(shown, moving, strict=True):
+        stage.pen.draw(axes, stage.data.time, values_of(stage.data), linewidth=0.8)
         strokes = strokes_of(result.scene, uncut.data)
         if not strokes:
             continue
@@ -219,6 +220,6 @@ def draw_with_moments(
             if times.size:
                 marks[mark] = words
                 rows = [abs(uncut.data.time - time).argmin() for time in times]
-                colour = shown.pen.colour
+                colour = stage.pen.colour
                 axes.plot(times, values[rows], mark, color=colour, markersize=6.0)
     return marks
