@@ -71,13 +71,8 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _changes_a_life(arguments: argparse.Namespace) -> bool:
     """Return whether the life of the scene is compared with lives under changes."""
-    changes = (
-        arguments.replace,
-        arguments.rotate,
-        arguments.compare,
-        arguments.materials,
-    )
-    return any(changes)
+    names = ("replace", "rotate", "compare", "materials")
+    return any(getattr(arguments, name) for name in names)
 
 
 def _with_readings(scene: Scene, arguments: argparse.Namespace) -> Scene:
@@ -157,17 +152,17 @@ def announcing(
 ) -> Callable[[str, float, float], None]:
     """Return a function for ``run_scenes`` that prints what each of several lives will take.
 
-    All of them take about ``turns`` times as long as one. A user at a terminal is asked
-    once.
+    All lives take about ``turns`` times as long as a single life. A user at a terminal is
+    asked once.
     """
     has_answer = is_confirmed
 
     def announce(name: str, cycles: float, seconds: float) -> None:
         nonlocal has_answer
-        whole = turns * seconds
+        total = turns * seconds
         words = f"{name}: the life {needed(cycles, seconds)}"
-        text = f"{words}; all lives take {expected_time(whole)}"
+        text = f"{words}; all lives take {expected_time(total)}"
         terminal.print_lines(bar.console, text)
-        has_answer = has_answer or confirm(bar, whole)
+        has_answer = has_answer or confirm(bar, total)
 
     return announce

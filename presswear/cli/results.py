@@ -46,15 +46,17 @@ def report(arguments: argparse.Namespace, console: Console) -> int:
     if is_pdf:
         from presswear.show.pdf import write_pdf
 
-        print_lines(console, f"report in {write_pdf(result, extra_figures=names)}")
-        return 0
-    print_lines(console, f"report in {write_report(result, extra_figures=names)}")
+        file = write_pdf(result, extra_figures=names)
+    else:
+        file = write_report(result, extra_figures=names)
+    print_lines(console, f"report in {file}")
     return 0
 
 
 def _compare(arguments: argparse.Namespace, console: Console) -> int:
     """Write a page on two stored runs side by side."""
-    first, second = arguments.folder, arguments.second
+    first = arguments.folder
+    second = arguments.second
     if arguments.limit or arguments.figures or arguments.format == "pdf":
         option = "--limit" if arguments.limit else "--figures"
         option = "--format pdf" if arguments.format == "pdf" else option
@@ -194,8 +196,9 @@ def _movie(arguments: argparse.Namespace, console: Console, clips: "list[Clip]")
     clip = clips[0]
     rate = arguments.rate
     start = _time("--from", arguments.start, clip, clip.default_start)
-    whole = clip.period * len(clip.chapters)
-    end = _time("--to", arguments.end, clip, min(start + whole, clip.span[1]))
+    duration = clip.period * len(clip.chapters)
+    _, last = clip.span
+    end = _time("--to", arguments.end, clip, min(start + duration, last))
     if end <= start:
         raise InputError(f"--to {end:g} s: must be after --from, {start:g} s")
     slow = arguments.slow or clip.default_slow

@@ -51,12 +51,9 @@ def with_options(scene: Scene, arguments: argparse.Namespace, **more: Any) -> Sc
 
 def run(arguments: argparse.Namespace, console: Console) -> int:
     """Run a scene into its result folder."""
-    change = (
-        None
-        if has_no_options(arguments)
-        else partial(with_options, arguments=arguments)
-    )
-    return run_scene(arguments, console, change)
+    if has_no_options(arguments):
+        return run_scene(arguments, console, None)
+    return run_scene(arguments, console, partial(with_options, arguments=arguments))
 
 
 def run_scene(

@@ -3,6 +3,7 @@
 import argparse
 import json
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 from rich.console import Console
@@ -40,14 +41,14 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
         return 0
     scene = load_scene(arguments.scene)
     groups = settings_in_groups(scene, arguments.all)
-    keys = [setting.key for settings in groups.values() for setting in settings]
-    width = max(map(len, keys))
+    shown = list(chain(*groups.values()))
+    width = max(len(setting.key) for setting in shown)
     for title, settings in groups.items():
         lines = (f"{setting.key:{width}} {setting.described()}" for setting in settings)
         print_lines(console, f"{title}:", *lines, "")
     if not arguments.all:
         all_groups = settings_in_groups(scene, every=True)
-        count = sum(map(len, all_groups.values())) - len(keys)
+        count = sum(map(len, all_groups.values())) - len(shown)
         print_lines(console, f"{count} more with --all: {_MORE_SETTINGS}")
     return 0
 
@@ -79,9 +80,8 @@ def show(arguments: argparse.Namespace, console: Console) -> int:
     """Draw the mechanism of a scene, or print its equations of motion."""
     scene = changed(load_scene(arguments.scene), parse_settings(arguments.set))
     if arguments.equations:
-        console.print(
-            _equations_of(scene), highlight=False, markup=False, soft_wrap=True
-        )
+        text = _equations_of(scene)
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
         return 0
     time = parse_quantity("--at", arguments.at, Quantity("s"))
     file = arguments.out or Path(f"{scene.name}.png")

@@ -40,8 +40,8 @@ class Line:
     wear_updates: int
     pen: Pen
 
-    def at(self, joint: str = "") -> Place:
-        """Return the place of its quantities."""
+    def at(self, joint: str) -> Place:
+        """Return the place of the quantities of a joint, or of the slider for ""."""
         return Place(self.setting, self.wear_updates, joint)
 
 

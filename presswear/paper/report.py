@@ -92,7 +92,7 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
     )
     assumption_text = TEXTS["assumptions"].format(ratios=SENSITIVE_RATIOS)
     verdict_counts = {"Verdicts": count_table(claims)}
-    parts: list[tuple[str, Sequence[str], Mapping[str, Table | None]]] = [
+    contents: list[tuple[str, Sequence[str], Mapping[str, Table | None]]] = [
         ("In short", findings(evidence, failures), verdict_counts),
         ("Claims on trends", [claim_text], {"": claim_table(evidence, claims)}),
         ("Every printed number of sections 5.3 and 5.4", [TEXTS["numbers"]], numbers),
@@ -106,7 +106,7 @@ def page_sections(evidence: Evidence, claims: Sequence[Judged]) -> list[Section]
         ("Runs", (), runs),
     ]
     sections: list[Section] = []
-    for heading, texts, tables in parts:
+    for heading, texts, tables in contents:
         filled = [(name, table) for name, table in tables.items() if table]
         sections.append(Section(heading, texts, filled, is_open=not sections))
     return sections
@@ -139,11 +139,11 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     ours = {}
     effects = {}
     printed = {}
-    for name, part in HIGHLIGHTS.items():
-        ours[name] = compared(evidence, BASE, part)
-        wide = compared(evidence, BASE, part, COMPARISONS)
-        effects[name] = TEXTS["effects"][verdicts.verdict(wide, part)]
-        printed[name] = f"printed: {readable(part.printed)}"
+    for name, comparison in HIGHLIGHTS.items():
+        ours[name] = compared(evidence, BASE, comparison)
+        wide = compared(evidence, BASE, comparison, COMPARISONS)
+        effects[name] = TEXTS["effects"][verdicts.verdict(wide, comparison)]
+        printed[name] = f"printed: {readable(comparison.printed)}"
     second = ours["second wear"]
     text = TEMPLATES.from_string(TEXTS["findings"]).render(
         ours=ours,

@@ -1,13 +1,14 @@
 """Tables of the report on the paper."""
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import get_args
 
 import numpy as np
 
 from presswear.paper import settings, verdicts
 from presswear.paper.depth_fit import depth_factors, fit
-from presswear.paper.evidence import QUANTITIES, Evidence
+from presswear.paper.evidence import QUANTITIES, Evidence, Measured
 from presswear.paper.printed import (
     DEPTH_RATIOS,
     DOUBTFUL,
@@ -15,6 +16,7 @@ from presswear.paper.printed import (
     RANGES,
     TEXTS,
     Place,
+    Printed,
     printed_at,
 )
 from presswear.paper.settings import (
@@ -75,45 +77,14 @@ def number_table(evidence: Evidence) -> Table:
     meanings = dict[str, str]()
     for number in PRINTED:
         setting = SETTINGS[number.place.setting]
-        row = QUANTITIES[number.quantity]
-        heading = f"Section {number.section}: {setting.label}"
+        lines = groups.setdefault(f"Section {number.section}: {setting.label}", [])
         for place in number.places:
             ours = evidence.measured(BASE, place, number.quantity)
-            label = f"{setting.short}: {place_text(place, number.quantity)}, Fig. {number.figure}"
-            over = None
-            ranges = list[str]()
-            remarks = [number.misprint]
-            if (
-                ours is not None
-                and ours.estimate.mean > 0.0
-                and number.quantity != "angle"
-            ):
-                over = number.value / ours.estimate.mean
-            for ends in (
-                (ours.single_cycles, ours.first_cycles) if ours else (None, None)
-            ):
-                ranges.append(range_text(ends, row.unit, row.digits))
-            value = value_text(evidence, BASE, place, number.quantity)
-            position = verdicts.position(number, ours)
-            line = (
-                label,
-                printed_text(number),
-                value,
-                *ranges,
-                readable(over),
-                position,
-            )
-            groups.setdefault(heading, []).append(line)
-            if len(number.places) > 1:
-                remarks.append(
-                    "the paper does not say before or after which wear; both are shown"
-                )
-            if ours is not None and ours.differ:
-                remarks.append(
-                    "our replicates differ, so that the interval is over replicates"
-                )
-            if any(remarks):
-                meanings[label] = "; ".join(filter(None, remarks))
+            text = place_text(place, number.quantity)
+            label = f"{setting.short}: {text}, Fig. {number.figure}"
+            lines.append((label, *_number_cells(evidence, number, place, ours)))
+            if remarks := _remarks(number, ours):
+                meanings[label] = remarks
     head = (
         "printed number",
         "paper",
@@ -123,31 +94,59 @@ def number_table(evidence: Evidence) -> Table:
         "paper / ours",
         "printed number is",
     )
-    return Table(
-        head,
-        tuple((name, tuple(cells)) for name, cells in groups.items()),
-        False,
-        meanings,
+    filled = tuple((name, tuple(lines)) for name, lines in groups.items())
+    return Table(head, filled, numeric=False, meanings=meanings)
+
+
+def _number_cells(
+    evidence: Evidence, number: Printed, place: Place, ours: Measured | None
+) -> Line:
+    """Return the cells of a printed number beside ours, without its label."""
+    row = QUANTITIES[number.quantity]
+    over = single_cycles = first_cycles = None
+    if ours is not None:
+        single_cycles = ours.single_cycles
+        first_cycles = ours.first_cycles
+        if ours.estimate.mean > 0.0 and number.quantity != "angle":
+            over = number.value / ours.estimate.mean
+    return (
+        printed_text(number),
+        value_text(evidence, BASE, place, number.quantity),
+        range_text(single_cycles, row.unit, row.digits),
+        range_text(first_cycles, row.unit, row.digits),
+        readable(over),
+        verdicts.position(number, ours),
     )
+
+
+def _remarks(number: Printed, ours: Measured | None) -> str:
+    """Return remarks on a printed number and on ours; empty without any."""
+    remarks = [number.misprint] if number.misprint else []
+    if len(number.places) > 1:
+        text = "the paper does not say before or after which wear; both are shown"
+        remarks.append(text)
+    if ours is not None and ours.differ:
+        text = "our replicates differ, so that the interval is over replicates"
+        remarks.append(text)
+    return "; ".join(remarks)
 
 
 def ratio_table(evidence: Evidence) -> Table:
     """Return ratios of printed depths beside ours, which do not depend on K_d / b."""
     lines = []
-    for part in DEPTH_RATIOS:
-        ours = compared(evidence, BASE, part)
-        printed = part.printed
+    for comparison in DEPTH_RATIOS:
+        ours = compared(evidence, BASE, comparison)
+        printed = comparison.printed
         assert printed is not None, "only printed depths are compared"
-        wide = compared(evidence, BASE, part, len(DEPTH_RATIOS))
-        lines.append(
-            (
-                comparison_text(part),
-                readable(printed),
-                text_of(ours),
-                readable(printed / ours.mean if ours else None),
-                verdicts.agreement(printed, wide),
-            )
+        wide = compared(evidence, BASE, comparison, len(DEPTH_RATIOS))
+        line = (
+            comparison_text(comparison),
+            readable(printed),
+            text_of(ours),
+            readable(printed / ours.mean if ours else None),
+            verdicts.agreement(printed, wide),
         )
+        lines.append(line)
     head = (
         "ratio of deepest wears",
         "paper",
@@ -168,13 +167,11 @@ def range_table(evidence: Evidence) -> Table:
             ours = evidence.wear_map(BASE, place)
             text = NOTHING
             if ours is not None:
-                inside_arcs = [
-                    (low <= ours.angle) & (ours.angle <= high) for low, high in arcs
-                ]
-                part = float(
-                    ours.mean[np.any(inside_arcs, axis=0)].sum() / ours.mean.sum()
-                )
-                text = f"{readable(100.0 * part)} %"
+                is_inside = np.zeros(ours.angle.size, bool)
+                for low, high in arcs:
+                    is_inside |= (low <= ours.angle) & (ours.angle <= high)
+                share = float(ours.mean[is_inside].sum() / ours.mean.sum())
+                text = f"{readable(100.0 * share)} %"
             printed = ", ".join(f"{low:.4g}° to {high:.4g}°" for low, high in degrees)
             circle = f"{np.diff(degrees).sum() / 3.6:.3g} %"
             lines.append((joint_text(place), figure, printed, circle, text))
@@ -203,21 +200,15 @@ def fit_table(evidence: Evidence) -> Table:
     """Return printed depths divided by ours; a perfect fit would be one number for all."""
     factors = [depth_factors(evidence, name) for name in JUDGED]
     lines = []
-    for place in dict.fromkeys(place for by_place in factors for place in by_place):
+    for place in dict.fromkeys(chain(*factors)):
         doubt = " (doubtful print, left out)" if place in DOUBTFUL else ""
-        lines.append(
-            (
-                joint_text(place) + doubt,
-                *(readable(by_place.get(place)) for by_place in factors),
-            )
-        )
+        texts = (readable(by_place.get(place)) for by_place in factors)
+        lines.append((joint_text(place) + doubt, *texts))
     best, typical, largest = zip(*map(fit, factors), strict=True)
+    miss = "factor by which single depths miss it, rms of logarithms"
     summary = (
         ("best factor on K_d / b", *map(readable, best)),
-        (
-            "factor by which single depths miss it, rms of logarithms",
-            *map(readable, typical),
-        ),
+        (miss, *map(readable, typical)),
         ("largest of these factors", *map(readable, largest)),
     )
     head = ("paper / ours, deepest after the first wear", *JUDGED)
@@ -236,41 +227,40 @@ def case_ratio(
     It is not 1 if its interval, one of ``count`` that hold together with 95 %, does not
     hold 1.
     """
-    pair = [evidence.measured(name, place, quantity) for name in cases]
-    measured = [
-        value for value in pair if value is not None and value.estimate.mean > 0.0
-    ]
-    if len(measured) < 2:
-        return text_of(None), False
+    measured = []
+    for case in cases:
+        value = evidence.measured(case, place, quantity)
+        if value is None or value.estimate.mean <= 0.0:
+            return text_of(None), False
+        measured.append(value)
     over, under = ([value.estimate] for value in measured)
+    text = text_of(verdicts.ratio(over, under))
     wide = verdicts.ratio(over, under, verdicts.factors_of(measured, count))
-    differs = (
-        wide.low is not None
-        and wide.high is not None
-        and not wide.low <= 1.0 <= wide.high
-    )
-    return text_of(verdicts.ratio(over, under)), differs
+    if wide.low is None or wide.high is None:
+        return text, False
+    return text, not wide.low <= 1.0 <= wide.high
 
 
 def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     """Return the effect of each changed assumption; failures are messages by case."""
-    shown = [
-        (name, Place(WEAR, *place)) for name, *place in TEXTS["tables"]["sensitive"]
-    ]
+    shown = []
+    heads = ["changed alone"]
+    for quantity, *stage_and_joint in TEXTS["tables"]["sensitive"]:
+        place = Place(WEAR, *stage_and_joint)
+        shown.append((quantity, place))
+        heads.append(f"{quantity} {place.joint} {stage_text(place, quantity)}")
     lines = []
     for name, case in settings.SENSITIVITIES.items():
-        ratios = [
-            case_ratio(evidence, place, quantity, (name, BASE), SENSITIVE_RATIOS)
-            for quantity, place in shown
-        ]
-        cells = (f"{text}{' *' * differs}" for text, differs in ratios)
         failure = f": {failures[name]}" if name in failures else ""
-        lines.append((f"{case.label}{failure}", *cells))
-    heads = (
-        f"{quantity} {place.joint} {stage_text(place, quantity)}"
-        for quantity, place in shown
-    )
-    return plain_table(("changed alone", *heads), lines)
+        cells = [f"{case.label}{failure}"]
+        for quantity, place in shown:
+            pair = (name, BASE)
+            text, differs = case_ratio(
+                evidence, place, quantity, pair, SENSITIVE_RATIOS
+            )
+            cells.append(f"{text} *" if differs else text)
+        lines.append(tuple(cells))
+    return plain_table(heads, lines)
 
 
 def long_table(evidence: Evidence) -> Table:
@@ -288,18 +278,18 @@ def long_table(evidence: Evidence) -> Table:
         text, differs = case_ratio(evidence, place, quantity, (BASE, LONG), len(places))
         if short is None or long is None or text == NOTHING:
             continue
-        lines.append(
-            (
-                place_text(place, quantity),
-                value_text(evidence, BASE, place, quantity),
-                f"{short.estimate.samples} of {short.replicates}",
-                value_text(evidence, LONG, place, quantity),
-                str(long.estimate.samples),
-                text,
-                "no" if differs else "yes",
-            )
+        line = (
+            place_text(place, quantity),
+            value_text(evidence, BASE, place, quantity),
+            f"{short.estimate.samples} of {short.replicates}",
+            value_text(evidence, LONG, place, quantity),
+            str(long.estimate.samples),
+            text,
+            "no" if differs else "yes",
         )
+        lines.append(line)
     heads = (
+        "",
         "run",
         "cycles, replicates",
         "200 of each",
@@ -307,19 +297,19 @@ def long_table(evidence: Evidence) -> Table:
         "ratio",
         "may be the same",
     )
-    return plain_table(("", *heads), lines, numeric=False)
+    return plain_table(heads, lines, numeric=False)
 
 
 def run_table(evidence: Evidence) -> Table:
     """Return cycles, status, energy residual and wall time of each run."""
     lines = []
     for name, result in evidence.results.items():
-        statistics = [stage.statistics for stage in result.stages]
-        moving = [stage for stage in statistics if stage.energy_exchanged]
-        residuals = [
-            abs(stage.energy_residual) / stage.energy_exchanged for stage in moving
-        ]
-        cycles = ", ".join(whole(stage.cycles) for stage in statistics)
+        cycles = ", ".join(whole(stage.statistics.cycles) for stage in result.stages)
+        residuals = []
+        for stage in result.stages:
+            energy = stage.statistics.energy_exchanged
+            if energy:
+                residuals.append(abs(stage.statistics.energy_residual) / energy)
         status = f"{result.status}: {result.message}".removesuffix(": ")
         residual = text_of(max(residuals, default=None), digits=1)
         wall = text_of(result.wall_s)
