@@ -22,14 +22,13 @@ MOTORS = ("four-bar-motor",)  # subjects in the table of motors
 
 def coverages_of(folder: Path) -> dict[str, list[list[Coverage]]]:
     """Return the coverages of the finished tries of each subject, by stage."""
-    found = {}
+    coverages = {}
     for name, subject in SUBJECTS.items():
-        paths = [
-            path for path in sorted((folder / name).glob("*")) if _is_finished(path)
-        ]
+        paths = filter(_is_finished, sorted((folder / name).glob("*")))
         results = {path.name: pw.load(path) for path in paths}
-        found[name] = [table(results, k) for k in range(subject.scene.wear_updates + 1)]
-    return found
+        stages = range(1 + subject.scene.wear_updates)
+        coverages[name] = [table(results, stage) for stage in stages]
+    return coverages
 
 
 def _is_finished(path: Path) -> bool:
@@ -65,12 +64,9 @@ def counts(columns: Columns, subjects: Iterable[str]) -> list[str]:
 
 def sentences(columns: Columns, where: str) -> list[str]:
     """Return sentences on all intervals of a table."""
-    every = [
-        (name, row)
-        for name, rows in columns.items()
-        for row in rows
-        if row.stated.any()
-    ]
+    every = []
+    for name, rows in columns.items():
+        every += [(name, row) for row in rows if row.stated.any()]
     if not every:  # no run of these scenes has finished yet
         return []
     right = sum(int(row.right[row.stated].sum()) for _, row in every)
@@ -109,20 +105,17 @@ def _cell(heading: str, coverage: Coverage) -> str:
     return f"{coverage.quantity.removesuffix(', of a cycle')} ({heading})"
 
 
-def results_of(found: Mapping[str, list[list[Coverage]]]) -> str:
+def results_of(coverages: Mapping[str, list[list[Coverage]]]) -> str:
     """Return the tables of new and of worn surfaces with their sentences."""
-    new = {
-        name: stages[0]
-        for name, stages in found.items()
-        if len(stages) == 1 and stages[0]
-    }
+    new = {}
+    for name, stages in coverages.items():
+        if len(stages) == 1 and stages[0]:
+            new[name] = stages[0]
     lines = [*counts(new, new), "", *sentences(new, "on new surfaces")]
-    for name, stages in found.items():
+    for name, stages in coverages.items():
         if len(stages) > 1 and stages[0]:
-            headings = [
-                "before the wear",
-                *(f"after wear {k}" for k in range(1, len(stages))),
-            ]
+            headings = ["before the wear"]
+            headings += [f"after wear {k}" for k in range(1, len(stages))]
             worn = dict(zip(headings, stages, strict=True))
             lines += ["", f"`{name}`, worn in steps:", ""]
             lines += [*counts(worn, [name] * len(worn)), ""]
@@ -133,16 +126,13 @@ def results_of(found: Mapping[str, list[list[Coverage]]]) -> str:
 
 def fill(folder: Path) -> None:
     """Write the tables between their marks; one without a finished run stays as it is."""
-    found = coverages_of(folder)
-    tables = {
-        "result": {name: found[name] for name in found if name not in MOTORS},
-        "motor": {name: found[name] for name in MOTORS},
-    }
+    coverages = coverages_of(folder)
+    motors = {name: coverages.pop(name) for name in MOTORS}
     text = PAGE.read_text(encoding="utf-8")
-    for mark, part in tables.items():
-        if any(stages[0] for stages in part.values()):
+    for mark, subjects in {"result": coverages, "motor": motors}.items():
+        if any(stages[0] for stages in subjects.values()):
             marks = rf"(?s)(<!-- {mark} -->\n).*?(<!-- end -->)"
-            results = results_of(part)
+            results = results_of(subjects)
             text = re.sub(marks, rf"\g<1>\n{results}\n\n\g<2>", text)
     PAGE.write_text(text, encoding="utf-8")
 

@@ -125,11 +125,9 @@ def blanking(axes: Axes) -> None:
     process = Blanking(400e3, 3.5e-3, 2e-3, rise=0.2e-3, snap=0.15e-3, cushion=40e3)
     depth, force = np.array(process.curve).T * [[1e3], [1e-3]]
     rise, fracture, done = depth[1:]
-    top, cushion, height = (
-        process.force / 1e3,
-        process.cushion / 1e3,
-        1e3 * process.height,
-    )
+    top = 1e-3 * process.force
+    cushion = 1e-3 * process.cushion
+    height = 1e3 * process.height
     thickness = 1e3 * process.thickness
     axes.plot(
         [*depth, height],
@@ -234,7 +232,9 @@ def _steps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
 
 def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
     """Return the same for jumps that multiply the mean map of ten cycles on fixed surfaces."""
-    worn, strokes, jumps = initial_depth(scene), [0.0], 0
+    worn = initial_depth(scene)
+    strokes = [0.0]
+    jumps = 0
     depth = [np.zeros(scene.replicate_count)]
     joint = scene.linkage().clearances[0]
     while np.any(depth[-1] < UNTIL.value):
@@ -251,10 +251,8 @@ def _jumps(scene: Scene, step: float, workers: Workers) -> tuple[int, Array]:
         jumps += 1
         strokes.append(strokes[-1] + share)
         depth.append(worn[:, 0].max(axis=(1, 2)))
-    lives = [
-        np.interp(UNTIL.value, np.array(depth)[:, k], strokes)
-        for k in range(REPLICATES)
-    ]
+    depths = np.array(depth).T
+    lives = [np.interp(UNTIL.value, values, strokes) for values in depths]
     return JUMP * jumps, np.array(lives)
 
 

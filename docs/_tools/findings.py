@@ -42,11 +42,9 @@ def results_of(evidence: Evidence) -> str:
     """Return the table and the sentences of a study."""
     rows = ["| quantity | paper | presswear |", "|---|---:|---:|"]
     for name, label in LABELS.items():
-        ours, printed = (
-            compared(evidence, BASE, HIGHLIGHTS[name]),
-            HIGHLIGHTS[name].printed,
-        )
-        rows.append(f"| {label} | {readable(printed)} | {text_of(ours)} |")
+        comparison = HIGHLIGHTS[name]
+        ours = compared(evidence, BASE, comparison)
+        rows.append(f"| {label} | {readable(comparison.printed)} | {text_of(ours)} |")
     sentences = enumerate(findings(evidence, failures_of(evidence)), start=1)
     return "\n".join([*rows, "", *(f"{k}. {sentence}" for k, sentence in sentences)])
 
@@ -55,14 +53,13 @@ def fill(folder: Path) -> None:
     """Write table and sentences between their marks."""
     marks = r"(?s)(<!-- result -->\n).*(<!-- end -->)"
     evidence = evidence_of(folder)
-    text, results = PAGE.read_text(), results_of(evidence)
-    PAGE.write_text(
-        re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
-    )
-    peaks = next(
-        drawing for drawing in drawings(evidence) if drawing.file == "fig-24-peaks.png"
-    )
-    save(replace(peaks, file=PICTURE.name), PICTURE.parent)
+    results = results_of(evidence)
+    text = PAGE.read_text()
+    text = re.sub(marks, lambda match: f"{match[1]}\n{results}\n\n{match[2]}", text)
+    PAGE.write_text(text)
+    figures = {drawing.file: drawing for drawing in drawings(evidence)}
+    peaks = replace(figures["fig-24-peaks.png"], file=PICTURE.name)
+    save(peaks, PICTURE.parent)
     _, report = write_report(evidence.results, folder)
     shutil.copyfile(report, REPORT)
 

@@ -26,9 +26,12 @@ def bash(line: str, cell: str) -> None:
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Markdown:
     """Return a table; columns whose name begins with ``>`` are aligned to the right."""
-    lines = [
-        [name.lstrip(">") for name in columns],
-        ["---:" if name.startswith(">") else ":---" for name in columns],
-        *([cell.replace("|", "\\|") for cell in row] for row in rows),
-    ]
+    heads = []
+    rules = []
+    for name in columns:
+        heads.append(name.lstrip(">"))
+        rules.append("---:" if name.startswith(">") else ":---")
+    lines = [heads, rules]
+    for row in rows:
+        lines.append([cell.replace("|", "\\|") for cell in row])
     return Markdown("\n".join(f"| {' | '.join(line)} |" for line in lines))

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from itertools import takewhile
+from itertools import chain, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -70,8 +70,9 @@ def lines_of(text: str) -> Iterator[str]:
     """Yield the presswear commands of a text, without ``presswear`` itself."""
     joined = re.sub(r"\\\n\s*", " ", text)
     for line in joined.splitlines():
-        for part in re.split(r"&&|\|\|", line.strip()):
-            if match := re.match(r"(?:\S*/)?presswear (?=[a-z-])(.*)", part.strip()):
+        for command in re.split(r"&&|\|\|", line.strip()):
+            pattern = r"(?:\S*/)?presswear (?=[a-z-])(.*)"
+            if match := re.match(pattern, command.strip()):
                 yield match[1]
 
 
@@ -80,7 +81,7 @@ def lines_in_cells(text: str) -> list[str]:
     cells = re.findall(
         r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S
     )
-    return [line for cell in cells for line in lines_of(cell)]
+    return list(chain(*map(lines_of, cells)))
 
 
 def all_lines() -> dict[str, list[str]]:
@@ -89,13 +90,12 @@ def all_lines() -> dict[str, list[str]]:
     for page in PAGES:
         text = page.read_text()
         in_cells = lines_in_cells(text)
-        places[str(page.relative_to(ROOT))] = [
-            x for x in lines_of(text) if x not in in_cells
-        ]
-    examples = [
-        x for command in COMMANDS.values() for x in command["example"].split("; ")
-    ]
-    return {**places, "help": [line for part in examples for line in lines_of(part)]}
+        lines = [line for line in lines_of(text) if line not in in_cells]
+        places[str(page.relative_to(ROOT))] = lines
+    examples = []
+    for command in COMMANDS.values():
+        examples += command["example"].split("; ")
+    return {**places, "help": list(chain(*map(lines_of, examples)))}
 
 
 def _run(
@@ -142,25 +142,28 @@ def _failure(line: str, folder: Path, longest: float | None) -> str:
         return f"presswear {line}: exit code {process.exitcode}\n{output.read()}"
 
 
-def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
-    """Run the commands of a page and return the messages of those that fail."""
+def _failures(source: Path, longest: float, place: str, lines: list[str]) -> list[str]:
+    """Run the commands of a page and return the messages of those that fail.
+
+    Results and files that a command reads are copied from the folder ``source``.
+    """
     failed = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scenarios").symlink_to(ROOT / "scenarios")
         for line in lines:
-            writes = line.startswith("new ") or (
-                "--out" in line and "--resume" not in line
-            )
-            for item in () if writes else [x for x in (*MADE, *TABLES) if x in line]:
-                copy = shutil.copytree if (made / item).is_dir() else shutil.copy
+            is_new = "--out" in line and "--resume" not in line
+            items = [item for item in (*MADE, *TABLES) if item in line]
+            if line.startswith("new ") or is_new:
+                items = []
+            for item in items:
+                copy = shutil.copytree if (source / item).is_dir() else shutil.copy
                 shutil.rmtree(folder / item, ignore_errors=True)
                 (folder / item).parent.mkdir(exist_ok=True)
-                copy(made / item, folder / item)
-            replays = line.startswith("replay ") and not re.search(
-                "--(movie|still) ", line
-            )
-            if "DISPLAY" in os.environ or not replays:
+                copy(source / item, folder / item)
+            has_file = re.search("--(movie|still) ", line)
+            needs_window = line.startswith("replay ") and not has_file
+            if "DISPLAY" in os.environ or not needs_window:
                 failed.append(_failure(line, folder, longest))
     return [f"{place}: {message}" for message in failed if message]
 
@@ -190,27 +193,25 @@ def display() -> Iterator[None]:
 
 def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str]:
     """Run all commands and return a message for each that fails, with its place."""
-    text = " ".join(line for lines in places.values() for line in lines)
+    text = " ".join(chain(*places.values()))
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     os.environ["XDG_CACHE_HOME"] = cache
     multiprocessing.get_context("forkserver").set_forkserver_preload(IMPORTED)
     with tempfile.TemporaryDirectory() as name, display():
-        made = Path(name)
+        source = Path(name)
         for table, rows in TABLES.items():
-            (made / table).write_text(rows)
-        needed = " ".join(
-            [text, *(line for item, line in MADE.items() if item in text)]
-        )
-        not_made = [
-            _failure(line, made, None) for item, line in MADE.items() if item in needed
-        ]
-        if any(not_made):
-            return [message for message in not_made if message]
+            (source / table).write_text(rows)
+        makers = [line for item, line in MADE.items() if item in text]
+        needed = " ".join([text, *makers])
+        messages = []
+        for item, line in MADE.items():
+            if item in needed:
+                messages.append(_failure(line, source, None))
+        if any(messages):
+            return list(filter(None, messages))
+        run_page = partial(_failures, source, longest)
         with ThreadPoolExecutor(PAGES_AT_ONCE) as threads:
-            messages = threads.map(
-                partial(_failures, made, longest), places, places.values()
-            )
-            return [message for page in messages for message in page]
+            return list(chain(*threads.map(run_page, places, places.values())))
 
 
 if __name__ == "__main__":

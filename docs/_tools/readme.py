@@ -55,8 +55,8 @@ def store_life() -> None:
     )
     life = pw.run(replace(scene, life=pw.Life(f"depth > {LIMIT}"))).life
     assert life is not None
-    one = life.interval
-    numbers = {"strokes": one.mean, "low": one.low, "high": one.high}
+    strokes = life.interval
+    numbers = {"strokes": strokes.mean, "low": strokes.low, "high": strokes.high}
     LIFE.write_text(json.dumps(numbers, indent=1) + "\n")
 
 

@@ -9,6 +9,7 @@ versions. A method whose program is not installed keeps its stored rows.
 
 import argparse
 import json
+import math
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -54,7 +55,7 @@ SETTINGS = {
 }
 
 
-def silent(name: str, part: float) -> None:
+def silent(name: str, share: float) -> None:
     """Ignore progress."""
 
 
@@ -103,10 +104,14 @@ def relative_costs(stored: Stored) -> dict[str, list[str]]:
         if costs is None:
             points = [(error, cost) for _, error, cost in method["rows"]]
             costs = [cost_at(points, level) / unit for level in LEVELS]
-        texts[name] = [
-            f"{cost:.2g}" if cost == cost and cost else "-" for cost in costs
-        ]
+        texts[name] = [_cost_text(cost) for cost in costs]
     return texts
+
+
+def _cost_text(cost: float | None) -> str:
+    if not cost or math.isnan(cost):
+        return "-"
+    return f"{cost:.2g}"
 
 
 def cost_of(method: Stored, setting: float) -> float:
@@ -198,7 +203,8 @@ def start_table(stored: Stored) -> list[str]:
     heads = "first start", "second start", "compilation"
     lines = [f"| | {' | '.join(heads)} |", "|---|---:|---:|---:|"]
     for row in stored["starts"]["rows"]:
-        first, second = row["first_start_s"], row["second_start_s"]
+        first = row["first_start_s"]
+        second = row["second_start_s"]
         cells = f"{first:.1f} | {second:.1f} | {first - second:.1f}"
         lines.append(f"| `{row['engine']}` | {cells} |")
     return [*lines, "", measured_on(stored["starts"])]
@@ -235,10 +241,10 @@ def motor_table(stored: Stored) -> list[str]:
     ]
     for key in ("motor", "motor in exudyn-tree"):
         rows = stored[key]["rows"]
-        cells = [
-            "; ".join(f"{row[name][1] / row[name][0]:.2f}" for row in rows)
-            for name in names
-        ]
+        cells = []
+        for name in names:
+            ratios = (row[name][1] / row[name][0] for row in rows)
+            cells.append("; ".join(f"{ratio:.2f}" for ratio in ratios))
         tolerances = "; ".join(short(f"{row['tolerance']:g}") for row in rows)
         lines.append(f"| `{rows[0]['engine']}` | {tolerances} | {' | '.join(cells)} |")
     return [*lines, "", measured_on(stored["motor"])]
