@@ -18,9 +18,8 @@ from presswear.physics.curve_following import followed
 from presswear.physics.dead_centre import bottom_of
 from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.scene.bearing_joints import BearingJoints
-from presswear.scene.clearance_linkage import with_bearings
+from presswear.scene.clearance_linkage import with_bearings, with_wall_maps
 from presswear.scene.conventions import Conventions
-from presswear.scene.wall_maps import with_wall_maps
 from presswear.tools.arrays import Array
 from presswear.tools.type_check import check_type
 

@@ -19,13 +19,13 @@ from presswear.linkage.process import PROCESSES, Process, check_reach
 from presswear.linkage.topology import branches_of
 from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.scene.bearing import Bearing
-from presswear.scene.bearing_checks import check_contact, check_conventions
 from presswear.scene.conventions import CONVENTIONS, Conventions
 from presswear.scene.guide_clearance import check_guide, deepest_wall
 from presswear.scene.initial_surfaces import initial_surfaces
 from presswear.scene.life_checks import check_life
 from presswear.scene.mechanism_kinds import AnyMechanism, mechanism_from
 from presswear.scene.options import LIVES, Life, Limit, Numerics, Recording
+from presswear.scene.pin_joints import check_contact, check_conventions
 from presswear.scene.run_checks import (
     check_masses,
     check_open_tree,

@@ -17,11 +17,12 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_text
-from presswear.tools.law_numbers import LawNumber, numbers_of
+from presswear.tools.quantities import Quantity, parse_quantity
+from presswear.tools.units import UNITS
 
 _JUMP_WIDTH = 1e-9  # m/s or rad/s; a change within a narrower interval is a jump
 _JUMP_SIZE = 1e-4  # smallest jump over the greatest absolute value
@@ -46,12 +47,23 @@ def is_stored_function(data: Any) -> bool:
     return isinstance(data, dict) and {*data} - {"values"} == {"name", "source"}
 
 
+class LawNumber(NamedTuple):
+    """Number of a user law that a setting varies: a parameter with a default, SI.
+
+    Its annotation may be a range: ``fade: "0.1 um to 1 mm" = 2e-6``.
+    """
+
+    name: str
+    default: float
+    meaning: Quantity
+
+
 @dataclass(frozen=True)
 class UserFunction:
     """Function of numbers by its name in a Python text, in which ``math`` is provided.
 
     ``values`` are numbers of the law, SI, that differ from their defaults; see
-    ``law_numbers``.
+    ``LawNumber``.
     """
 
     name: str
@@ -152,7 +164,7 @@ class UserFunction:
 
     def numbers(self, key: str, allowed: tuple[str, ...]) -> tuple[LawNumber, ...]:
         """Return the numbers of the law: parameters with a default that are not allowed ones."""
-        return numbers_of(key, self.name, self.arguments(key), allowed)
+        return _numbers_of(key, self.name, self.arguments(key), allowed)
 
     def settings(
         self, key: str, allowed: tuple[str, ...]
@@ -356,6 +368,67 @@ def _read_file(key: str, text: str) -> UserFunction:
         raise InputError(f"{key} = {text!r}: must be FILE.py:NAME; {error}") from None
     _files[function.source] = file
     return function
+
+
+def _numbers_of(
+    key: str, law: str, arguments: ast.arguments, allowed: tuple[str, ...]
+) -> tuple[LawNumber, ...]:
+    """Return the parameters of a function with a default that are not among ``allowed``.
+
+    Raises
+    ------
+    InputError
+        If a default is not a number in its range, or an annotation is not a range.
+    """
+    first = len(arguments.args) - len(arguments.defaults)
+    numbers = []
+    for argument, default in zip(
+        arguments.args[first:], arguments.defaults, strict=True
+    ):
+        if argument.arg in allowed:
+            continue
+        name = f"{key}.{argument.arg}"
+        meaning = _meaning_of(name, argument.annotation, f"number of {law}")
+        try:
+            value = ast.literal_eval(default)
+        except ValueError:
+            value = ast.unparse(default)
+        if isinstance(value, str):
+            raise InputError(f"{name} = {value}: a default must be a number, SI")
+        numbers.append(
+            LawNumber(argument.arg, float(meaning.convert(name, value)), meaning)
+        )
+    return tuple(numbers)
+
+
+def _meaning_of(name: str, annotation: ast.expr | None, text: str) -> Quantity:
+    """Return unit and range of a number from its annotation, such as ``0.1 um to 1 mm``."""
+    # An annotation such as ``float`` has no range.
+    if annotation is None or isinstance(annotation, ast.Name):
+        return Quantity(origin="law", text=text)
+    words = ""
+    if isinstance(annotation, ast.Constant):
+        words = f"{annotation.value!s}"
+    first, separator, last = words.partition(" to ")
+    if not separator:
+        raise InputError(
+            f"{name}: {ast.unparse(annotation)}: a range such as '0.1 um to 1 mm' is expected"
+        )
+    unit = _unit_of(last)
+    low = parse_quantity(name, first, Quantity(unit))
+    high = parse_quantity(name, last, Quantity(unit))
+    if not low < high:
+        raise InputError(f"{name}: {words}: the first end must be below the second")
+    return Quantity(unit, low, high, "law", text)
+
+
+def _unit_of(text: str) -> str:
+    """Return the SI unit of a text such as ``1 mm``; an unknown unit is returned as it is."""
+    symbol = text.strip().partition(" ")[2].strip()
+    for unit, symbols in UNITS.items():
+        if symbol in symbols:
+            return unit
+    return symbol
 
 
 @cache
