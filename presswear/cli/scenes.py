@@ -34,10 +34,8 @@ def list_scenes(arguments: argparse.Namespace, console: Console) -> int:
     """List the scenes, or the settings of a scene."""
     if arguments.scene is None:
         width = max(map(len, SCENES))
-        print_lines(
-            console,
-            *(f"{name:{width}} {entry.title}" for name, entry in SCENES.items()),
-        )
+        for name, entry in SCENES.items():
+            print_lines(console, f"{name:{width}} {entry.title}")
         return 0
     scene = load_scene(arguments.scene)
     groups = settings_in_groups(scene, arguments.all)

@@ -214,16 +214,15 @@ def _print_features(console: Console, table: Any) -> None:
     """Print the costs of each feature."""
     rows = []
     for row in table:
-        rows.append(
-            [
-                f"{row['feature']}: {row['state']}",
-                row["engine"],
-                f"{row['cpu_s_per_simulated_s']:.3f}",
-                f"{1e6 * row['cpu_s_per_step']:.2f}",
-                f"{row['ratio_per_step']:.2f}",
-                f"{row['ratio_per_simulated_second']:.2f}",
-            ]
-        )
+        cells = [
+            f"{row['feature']}: {row['state']}",
+            row["engine"],
+            f"{row['cpu_s_per_simulated_s']:.3f}",
+            f"{1e6 * row['cpu_s_per_step']:.2f}",
+            f"{row['ratio_per_step']:.2f}",
+            f"{row['ratio_per_simulated_second']:.2f}",
+        ]
+        rows.append(cells)
     heads = ("feature", "engine", ">s/s", ">us/step", ">ratio/step", ">ratio/s")
     print_table(console, heads, rows)
     meaning = "s/s is CPU time per simulated second; ratios are to the row without the feature"

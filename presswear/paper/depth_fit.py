@@ -32,13 +32,10 @@ class Fit(NamedTuple):
 
 def fit(factors: Mapping[Place, float]) -> Fit:
     """Return the factor on K_d / b that fits best, and the scatter of the printed depths."""
-    logs = np.log(
-        [factor for place, factor in factors.items() if place not in DOUBTFUL]
-    )
-    if not logs.size:
+    certain = [factors[place] for place in factors if place not in DOUBTFUL]
+    if not certain:
         return Fit(math.nan, math.nan, math.nan)
-    return Fit(
-        best=math.exp(logs.mean()),
-        typical=math.exp(logs.std()),
-        largest=math.exp(np.abs(logs - logs.mean()).max()),
-    )
+    logs = np.log(certain)
+    mean = logs.mean()
+    largest = np.abs(logs - mean).max()
+    return Fit(math.exp(mean), math.exp(logs.std()), math.exp(largest))

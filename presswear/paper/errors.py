@@ -3,9 +3,6 @@
 The file ``errors.toml`` lists the errors, and explains the source of each effect.
 """
 
-import tomllib
-from importlib.resources import files
-
 import presswear as pw
 from presswear.paper.evidence import Evidence
 from presswear.paper.printed import Place
@@ -15,14 +12,14 @@ from presswear.paper.settings import (
     SETTINGS,
     WEAR,
     base_scene,
+    read,
     run_name,
 )
 from presswear.paper.verdicts import ratio
 from presswear.show.page import Table, plain_table, text_of
 
-_FILE = files("presswear.paper").joinpath("errors.toml")
 # Equation, printed form, right form, case and text of each error
-_ROWS = tomllib.loads(_FILE.read_text("utf-8"))["errors"]
+_ROWS = read("errors.toml")["errors"]
 CHORD = "chord"  # case with a closed form instead of a run
 PLACE = Place(WEAR, 1, "A")  # stage and joint of the depth
 # Runs that the table needs

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import presswear as pw
+from presswear.linkage.surface import SIDES
 from presswear.paper.printed import Place
 from presswear.paper.settings import TABLES, run_name
 from presswear.show.page import Row
@@ -30,17 +31,19 @@ QUANTITIES = {
 OF_ONE_WEAR = ("added_depth", "added_mean", "contact_range")
 
 
+def _range_of(maps: Array) -> Any:
+    """Return the angle over which maps, (..., surfaces, m), are worn, mean of surfaces, rad."""
+    is_worn = maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)
+    return 2.0 * math.pi * is_worn.mean(axis=(-2, -1))
+
+
 # Functionals of wear maps, shape (..., surfaces, m). Maps over directions in space are
 # the sum of both surfaces, so that ``surfaces`` is 1. It is 2 for maps on the bodies.
 _FUNCTIONALS: dict[str, Callable[[Array], Any]] = {
     "deepest": lambda maps: maps.max(axis=-1).sum(axis=-1),
     "mean": lambda maps: maps.mean(axis=-1).sum(axis=-1),
     "deviation": lambda maps: maps.std(axis=-1).sum(axis=-1),
-    "range": lambda maps: (
-        2.0
-        * math.pi
-        * (maps >= MIN_DEPTH * maps.max(axis=-1, keepdims=True)).mean(axis=(-2, -1))
-    ),
+    "range": _range_of,
 }
 OF_MAPS = {
     name for name, row in QUANTITIES.items() if row.path in (*_FUNCTIONALS, "angle")
@@ -158,17 +161,15 @@ class Evidence:
         result = self.worn_run(case, place)
         if result is None:
             return None
-        mean, centre, draws, count = _wear_draws(
-            result, place.joint, range(place.wear_updates)
-        )
-        low, high = pw.statistics.pointwise_interval(centre[0], draws[:, 0], count)
-        shift = mean[0] - centre[0]
-        below = np.hypot(low - centre[0], shift)
-        above = np.hypot(high - centre[0], shift)
+        stages = range(place.wear_updates)
+        means, centres, draws, count = _wear_draws(result, place.joint, stages)
+        mean = means[0]
+        centre = centres[0]
+        low, high = pw.statistics.pointwise_interval(centre, draws[:, 0], count)
+        below = np.hypot(low - centre, mean - centre)
+        above = np.hypot(high - centre, mean - centre)
         angle = result.stages[0].joints[place.joint].angle
-        return WearMap(
-            angle, mean[0], np.maximum(mean[0] - below, 0.0), mean[0] + above
-        )
+        return WearMap(angle, mean, np.maximum(mean - below, 0.0), mean + above)
 
 
 def _stages_added(place: Place, quantity: str) -> range:
@@ -232,7 +233,7 @@ def _wear_draws(
         arrays = result.stages[stage].arrays
         maps = arrays[f"{joint}_wear_batches"]
         weights = arrays["wear_batch_cycles"]
-        wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in ("bearing", "pin")])
+        wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in SIDES])
         if not len(maps):
             # There are too few cycles for batches.
             maps = wear[np.newaxis]
@@ -245,9 +246,5 @@ def _wear_draws(
         centres.append(np.tensordot(weights / weights.sum(), maps, 1))
         draws.append(flat.reshape(-1, *wear.shape))
         counts.append(len(maps))
-    return (
-        np.sum(means, axis=0),
-        np.sum(centres, axis=0),
-        np.sum(draws, axis=0),
-        min(counts),
-    )
+    mean, centre, draw = (np.sum(maps, axis=0) for maps in (means, centres, draws))
+    return mean, centre, draw, min(counts)

@@ -6,22 +6,17 @@ The units are SI and rad.
 """
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from itertools import chain, pairwise
 from math import radians
 from typing import Any, Literal, cast
 
-from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
+from presswear.paper.settings import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR, read
 
-
-def _read(file: str) -> dict[str, Any]:
-    return tomllib.loads(files("presswear.paper").joinpath(file).read_text("utf-8"))
-
-
-_DATA, _CLAIMS, TEXTS = map(_read, ("printed.toml", "claims.toml", "report.toml"))
+_DATA = read("printed.toml")
+_CLAIMS = read("claims.toml")
+TEXTS = read("report.toml")
 
 
 @dataclass(frozen=True)

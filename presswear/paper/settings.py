@@ -21,9 +21,14 @@ _COMMON: dict[str, Any] = {
     "conventions": "paper",
 }
 QUICK_CYCLES = 4  # cycles of each stage and replicate in a quick run
-TABLES: dict[str, Any] = tomllib.loads(
-    files("presswear.paper").joinpath("settings.toml").read_text("utf-8")
-)
+
+
+def read(file: str) -> dict[str, Any]:
+    """Return the data of a TOML file beside this module."""
+    return tomllib.loads(files("presswear.paper").joinpath(file).read_text("utf-8"))
+
+
+TABLES = read("settings.toml")
 
 
 class Setting(NamedTuple):
@@ -52,9 +57,8 @@ class Case:
     # displacements of the second frame joint, m, by name of the coordinate
     move: Mapping[str, float] = field(default_factory=dict)
     finer: float = 1.0  # factor by which the tolerance of the engine is smaller
-    other_engine: bool = (
-        False  # runs with Exudyn instead of dae, or with dae instead of Exudyn
-    )
+    # runs with Exudyn instead of dae, or with dae instead of Exudyn
+    other_engine: bool = False
     wear_updates: int = 1  # largest number of wear updates
     replicates: int = 3  # the fewest with an interval
     tolerance_factor: float = 2.0  # on the relative error of the wear maps

@@ -93,21 +93,18 @@ def _pin_that_ends(result: Result, life: LifeResult) -> str:
     stages = result.stages
     joint, _, name = first.key.partition(".") if first else ("", "", "")
     serviced = {service.joint for service in services_done(result)}
-    is_whole = len(stages) == result.scene.wear_updates + 1 and not stages[-1].failed
-    if (
-        life.ended != "limit"
-        or name != "depth"
-        or joint not in serviced
-        or joint not in result.scene.loose_pins
-        or not is_whole
-    ):
+    is_complete = len(stages) == result.scene.wear_updates + 1
+    if life.ended != "limit" or not is_complete or stages[-1].failed:
+        return ""
+    is_serviced_pin = joint in serviced and joint in result.scene.loose_pins
+    if name != "depth" or not is_serviced_pin:
         return ""
     end = stages[-1].joints[joint]  # on the surfaces at the end of the life
-    bearing, pin = (
-        numbers.quantity_text(float(end.depth(side).max()), "m") for side in SIDES
-    )
-    if end.depth("pin").max() <= end.depth("bearing").max():
+    bearing_depth, pin_depth = (float(end.depth(side).max()) for side in SIDES)
+    if pin_depth <= bearing_depth:
         return ""
+    bearing = numbers.quantity_text(bearing_depth, "m")
+    pin = numbers.quantity_text(pin_depth, "m")
     return (
         f"The pin of {joint} ends this life: it is worn by {pin} at the end, its bushing by "
         f"{bearing}. A new or rotated bushing does not renew the pin."

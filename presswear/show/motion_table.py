@@ -40,26 +40,27 @@ def _motion_record(scene: Scene, stage: StageResult) -> Record:
     """Return the numbers of a stage that the rows of the table show."""
     start, end = sampled_span(scene, stage)
     cycles = (end - start) / scene.mechanism.period
-    timelines = {joint: timeline_of(scene, stage, joint) for joint in scene.dry_pins}
+    modes = {}
+    changes = {}
+    for joint in scene.dry_pins:
+        timeline = timeline_of(scene, stage, joint)
+        modes[joint] = _visits(timeline, cycles)
+        changes[joint] = _changes(timeline, cycles)
     labels = {"": f"acceleration of {scene.output} (m/s²)"}
     labels |= {joint: f"force at {joint} (N)" for joint in scene.loose_pins}
-    spectra_by_name = spectra_of(scene, stage)
-    spectra = {label: spectra_by_name[name] for name, label in labels.items()}
+    spectra = spectra_of(scene, stage)
+    harmonics = {}
+    shares = {}
+    for name, label in labels.items():
+        harmonics[label] = _amplitudes(spectra[name])
+        shares[label] = _harmonic_share(spectra[name])
     return {
         "cycles": round(cycles) if abs(cycles - round(cycles)) < 1e-6 else cycles,
-        "modes": {
-            joint: _visits(timeline, cycles) for joint, timeline in timelines.items()
-        },
-        "changes": {
-            joint: _changes(timeline, cycles) for joint, timeline in timelines.items()
-        },
+        "modes": modes,
+        "changes": changes,
         "period": str(period_of(scene, stage)),
-        "harmonics": {
-            name: _amplitudes(spectrum) for name, spectrum in spectra.items()
-        },
-        "whole": {
-            name: _harmonic_share(spectrum) for name, spectrum in spectra.items()
-        },
+        "harmonics": harmonics,
+        "whole": shares,
     }
 
 

@@ -181,7 +181,8 @@ def _numbers(
     film: Film, period: float, run_up: float, joints: list[int]
 ) -> NDArray[np.int64]:
     """Return the phase, degrees, and the normal forces, N, of each frame, (n, 1 + joints)."""
-    degrees = np.round(360.0 * (film.time - 0.5 * run_up) / period) % 360.0
+    turns = (film.time - 0.5 * run_up) / period
+    degrees = np.round(360.0 * turns) % 360.0
     forces = film.joints[:, joints, NORMAL].round()
     return np.column_stack([degrees, forces]).astype(np.int64)
 
@@ -205,17 +206,18 @@ def _svg(
     for column, (k, factor) in enumerate(enlarged.items()):
         centre = _HEIGHT * (column + 0.5) / max(len(enlarged), 2)
         joint = linkage.clearances[k]
-        bearing = _PIN * radius + factor * joint.clearance
-        parts.append(
-            f'<g transform="matrix(1 0 0 -1 {middle:.0f} {centre:.0f})">'
-            f"{_outline(linkage, joint, 'bearing', bearing, factor)}"
-            f'<circle r="{factor * joint.clearance:.1f}" fill="none" stroke="#555" '
-            'stroke-dasharray="3 2"/>'
-            f'<g class="pin">{_outline(linkage, joint, "pin", _PIN * radius, factor)}'
-            f'<circle r="2" fill="{_INK}"/><line stroke="#c1121f" stroke-width="2.5"/></g></g>'
-            f'<text x="{middle - radius - 8.0:.0f}" y="{centre - 0.7 * radius:.0f}" '
-            f'text-anchor="end" font-weight="600">{escape(joint.name)}</text>'
-        )
+        gap = factor * joint.clearance
+        pin_radius = _PIN * radius
+        bearing = _outline(linkage, joint, "bearing", pin_radius + gap, factor)
+        pin = _outline(linkage, joint, "pin", pin_radius, factor)
+        parts += [
+            f'<g transform="matrix(1 0 0 -1 {middle:.0f} {centre:.0f})">{bearing}',
+            f'<circle r="{gap:.1f}" fill="none" stroke="#555" stroke-dasharray="3 2"/>',
+            f'<g class="pin">{pin}<circle r="2" fill="{_INK}"/>',
+            '<line stroke="#c1121f" stroke-width="2.5"/></g></g>',
+            f'<text x="{middle - radius - 8.0:.0f}" y="{centre - 0.7 * radius:.0f}" ',
+            f'text-anchor="end" font-weight="600">{escape(joint.name)}</text>',
+        ]
     return Markup("".join([*parts, "</svg>"]))
 
 
@@ -292,4 +294,5 @@ def _frame_parts(linkage: Linkage, film: Film, drawing: _Drawing) -> list[str]:
 
 def _path(points: Array) -> str:
     """Return a closed polygon as the data of an SVG path."""
-    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.tolist()) + "z"
+    places = [f"{x:.1f} {y:.1f}" for x, y in points.tolist()]
+    return f"M{'L'.join(places)}z"

@@ -1,9 +1,7 @@
 """Andrews' squeezer: linkage, published angles, and checks of the engines."""
 
 import math
-import tomllib
 from collections.abc import Iterator
-from importlib.resources import files
 
 import numpy as np
 
@@ -20,11 +18,11 @@ from presswear.validation.cases import (
     Check,
     finished,
     order_of,
+    read,
     worst_of,
 )
 
-_FILE = files("presswear.validation").joinpath("reference_problems.toml")
-_ANDREWS = tomllib.loads(_FILE.read_text("utf-8"))["andrews"]
+_ANDREWS = read("reference_problems.toml")["andrews"]
 ANDREWS_DURATION: float = _ANDREWS["duration"]  # s
 ANDREWS_START, ANDREWS_ANGLES, ANDREWS_RATES = np.array(_ANDREWS["angles"]).T
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)  # steps of Exudyn, s
@@ -52,12 +50,12 @@ def andrews() -> Linkage:
     for name, first, second in _ANDREWS["joints"]:
         point = name[0]  # the joints at a point have its name with a number
         joints.append(Revolute(name, pin(first, point), pin(second, point)))
+    moving = []
+    for name in sorted(bodies):
+        moving.append(Body(name, bodies[name]["mass"], bodies[name]["inertia"]))
     return assemble(
         name="Andrews' squeezer",
-        bodies=[
-            Body(name, bodies[name]["mass"], bodies[name]["inertia"])
-            for name in sorted(bodies)
-        ],
+        bodies=moving,
         joints=joints,
         output=OutputPoint("K3", 0.0),
         gravity=0.0,

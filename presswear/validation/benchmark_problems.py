@@ -6,10 +6,8 @@ starts 1e-9 m apart have separated a thousandfold.
 """
 
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 
 import numpy as np
 
@@ -77,8 +75,7 @@ class Extent:
     tree_tolerances: Sequence[float]
 
 
-_FILE = files("presswear.validation").joinpath("benchmark_problems.toml")
-DATA = tomllib.loads(_FILE.read_text("utf-8"))
+DATA = cases.read("benchmark_problems.toml")
 FULL, QUICK = (Extent(**values) for values in DATA["extents"].values())
 
 

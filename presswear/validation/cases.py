@@ -6,9 +6,11 @@
 
 import math
 import time as clock
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from importlib.resources import files
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +22,12 @@ from presswear.tools.errors import InputError, RunFailed
 Progress = Callable[[str, float], None]  # called with a name and the completed fraction
 
 PATIENCE = 120.0  # s of CPU time after which a run is stopped; most need below 1 s
+
+
+def read(file: str) -> dict[str, Any]:
+    """Return the data of a TOML file beside this module."""
+    text = files("presswear.validation").joinpath(file).read_text("utf-8")
+    return tomllib.loads(text)
 
 
 @dataclass(frozen=True)

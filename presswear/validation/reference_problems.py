@@ -1,10 +1,8 @@
 """Reference problems from the literature: linkages, published values, and checks of the engines."""
 
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -37,14 +35,14 @@ from presswear.validation.cases import (
     contacts_of,
     finished,
     first_contact,
+    read,
     worst_of,
 )
 
 # the default, 1e-9, leaves 2e-8 in the restitution
 TIGHT = InHouse(integration_tolerance=1e-11)
 
-_FILE = files("presswear.validation").joinpath("reference_problems.toml")
-_DATA = tomllib.loads(_FILE.read_text("utf-8"))
+_DATA = read("reference_problems.toml")
 
 
 def free_bodies(
@@ -221,8 +219,9 @@ def _block_at(x: float, weight: float) -> Array:
     """Return a block on the floor, at the penetration under its weight, N."""
     sunk = (weight / _FLOOR_STIFFNESS) ** (2.0 / 3.0)
     reach = _FLOOR_CLEARANCE + sunk
-    # Only the difference of the two nearly equal terms counts.
-    return np.array([x, x * x / (reach + math.sqrt(reach**2 - x * x)) - sunk, 0.0])
+    # This is reach - sqrt(reach^2 - x^2), without the difference of nearly equal terms.
+    rise = x * x / (reach + math.sqrt(reach**2 - x * x))
+    return np.array([x, rise - sunk, 0.0])
 
 
 def block(
@@ -277,10 +276,8 @@ def creep_speed(friction: FrictionLaw, slope: float) -> float:
 
     The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
     """
-    return (
-        friction.lower
-        + (friction.upper - friction.lower) * slope / friction.coefficient
-    )
+    width = friction.upper - friction.lower
+    return friction.lower + width * slope / friction.coefficient
 
 
 def _run_of(problem: tuple[Linkage, Start], time: float) -> Run:
@@ -380,14 +377,11 @@ def bouncing_checks() -> Iterator[Check]:
 
 def reference_cases() -> list[Case]:
     """Return the cases with a published solution or a closed form."""
-    return [
-        Case(name, _DATA["sources"][name], checks) for name, checks in _CASES.items()
-    ]
-
-
-_CASES = {
-    "Andrews' squeezer": andrews_checks,
-    "impact": impact_checks,
-    "friction": friction_checks,
-    "bouncing ball": bouncing_checks,
-}
+    checks = {
+        "Andrews' squeezer": andrews_checks,
+        "impact": impact_checks,
+        "friction": friction_checks,
+        "bouncing ball": bouncing_checks,
+    }
+    sources = _DATA["sources"]
+    return [Case(name, sources[name], run) for name, run in checks.items()]

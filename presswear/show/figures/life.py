@@ -8,12 +8,14 @@ from presswear.results.result import Result
 from presswear.scene.options import LIFE_QUANTITIES, Service
 from presswear.show.figures import style
 from presswear.show.figures.style import Axes, Drawing, Pen, Stages
+from presswear.tools.arrays import Array
 from presswear.tools.numbers import count_scale, short_number, unit_scale
 
 _FAR = 4.0  # a limit this many times above the largest value is noted, not drawn
 # height of a panel over its largest value
 _HEADROOM = 1.15
 _HEADROOM_WITH_NOTE = 1.4
+_ROUND_OFF = 1e-9
 _MEAN = Pen("mean of the replicates, 95 % band", style.LINES[0][0])
 _LIMIT = Pen("limit", style.LINES[1][0], (0.0, (5.0, 2.0)))
 _LIFE = Pen("life with its interval", style.LINES[2][0])
@@ -50,18 +52,25 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
         pens.append(_LIFE)
     if services:
         pens.append(_SERVICE)
-    curves = [values[:, 0] for key, values in life.curves.items() if key != "strokes"]
-    first = life.first if life.ended == "limit" else None
+    first = ""
+    if life.ended == "limit" and life.first is not None:
+        limit = limit_text(life.first)
+        first = f"{words_of(life.first.key)} exceeds its limit, {limit}"
     return style.finished(
         "life",
         sheet,
         pens,
         life=life,
         blocks=life.curves["strokes"].size,
-        is_level=any(np.ptp(mean) <= 1e-9 * np.abs(mean).max() for mean in curves),
-        first=first and f"{words_of(first.key)} exceeds its limit, {limit_text(first)}",
+        is_level=any(_is_level(life.curves[key][:, 0]) for key in keys),
+        first=first,
         services=services,
     )
+
+
+def _is_level(values: Array) -> bool:
+    """Return whether values differ only by round-off, relative to the largest value."""
+    return bool(np.ptp(values) <= _ROUND_OFF * np.abs(values).max())
 
 
 def _draw_quantity(axes: Axes, key: str, life: LifeResult, end: float) -> None:

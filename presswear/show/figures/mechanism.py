@@ -59,7 +59,8 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     # A full cycle after the run-up.
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
     position = scene.ideal.at(times).position
-    paths = _paths_of_joints(linkage, position)
+    ends = _ends_of_joints(linkage)
+    paths = {name: _path(linkage, position, end) for name, end in ends}
     low, high, size = _limits(linkage, position, paths)
     wide, tall = high - low
     rows = math.ceil(len(linkage.bodies) / _LEGEND_COLUMNS)
@@ -104,12 +105,6 @@ def _ends_of_joints(linkage: Linkage) -> list[tuple[str, Attachment]]:
     for joint in linkage.revolutes:
         ends += [(joint.name, joint.first), (joint.name, joint.second)]
     return ends
-
-
-def _paths_of_joints(linkage: Linkage, position: Array) -> dict[str, Array]:
-    """Return the paths of the pin joints by name, (n, 2), m."""
-    ends = _ends_of_joints(linkage)
-    return {name: _path(linkage, position, end) for name, end in ends}
 
 
 def _limits(
@@ -263,7 +258,8 @@ def _draw_joints(
     """Draw the pin joints; joints at one place share a label."""
     groups: dict[tuple[float, ...], list[str]] = {}
     for name, place in places.items():
-        groups.setdefault(tuple(np.round(place / (0.01 * size))), []).append(name)
+        cell = tuple(np.round(place / (0.01 * size)))
+        groups.setdefault(cell, []).append(name)
     labels = []
     linkage = scene.base_linkage
     output = linkage.output
@@ -331,16 +327,9 @@ def _draw_body(
     centre = pose[:2]
     along = direction_at(pose[2])
     turn = np.array([along, across(along)])
-    axes.add_patch(
-        Polygon(
-            centre + outline @ turn,
-            facecolor=colour,
-            edgecolor=colour,
-            alpha=0.4,
-            zorder=2,
-            label=_legend_text(linkage, name),
-        )
-    )
+    label = _legend_text(linkage, name)
+    face: dict[str, Any] = {"facecolor": colour, "edgecolor": colour, "alpha": 0.4}
+    axes.add_patch(Polygon(centre + outline @ turn, zorder=2, label=label, **face))
     axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
     _arrow(axes, centre, centre + 0.07 * size * along, colour)
 
@@ -355,11 +344,12 @@ def _draw_slots(
         corners = slot_outline(linkage, position, guide, _BAR * size)
         points = [Attachment(name, x, y) for x, y in corners.tolist()]
         outline = np.vstack([_path(linkage, position[:1], point) for point in points])
-        axes.add_patch(
-            Polygon(
-                outline, facecolor="none", edgecolor=colour, linewidth=1.0, zorder=3
-            )
-        )
+        edge: dict[str, Any] = {
+            "facecolor": "none",
+            "edgecolor": colour,
+            "linewidth": 1.0,
+        }
+        axes.add_patch(Polygon(outline, zorder=3, **edge))
 
 
 def _legend_text(linkage: Linkage, body: str) -> str:
@@ -430,19 +420,18 @@ def _draw_loads(axes: Axes, linkage: Linkage, position: Array, size: float) -> N
 def _arrow(
     axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8
 ) -> None:
-    axes.add_patch(
-        FancyArrowPatch(
-            tuple(start),
-            tuple(end),
-            arrowstyle="-|>",
-            mutation_scale=8,
-            zorder=8,
-            color=colour,
-            linewidth=linewidth,
-            shrinkA=0,
-            shrinkB=0,
-        )
+    patch = FancyArrowPatch(
+        tuple(start),
+        tuple(end),
+        arrowstyle="-|>",
+        mutation_scale=8,
+        zorder=8,
+        color=colour,
+        linewidth=linewidth,
+        shrinkA=0,
+        shrinkB=0,
     )
+    axes.add_patch(patch)
 
 
 def _bent_arrow(

@@ -134,8 +134,8 @@ def _draw_deviation(
         ideal = scene.ideal_slider(stage.time, closed=False)[:, 0]
         return np.asarray(stage.displacement - ideal)
 
-    largest = max(float(np.abs(deviation(stage.data)).max()) for stage in shown)
-    factor, unit = unit_scale("m", largest)
+    deviations = np.concatenate([deviation(stage.data) for stage in shown])
+    factor, unit = unit_scale("m", float(np.abs(deviations).max()))
     marks = draw_with_moments(
         axes, result, shown, moving, lambda stage: factor * deviation(stage), window
     )
@@ -234,7 +234,7 @@ def bottom_dead_centre(result: Result, shown: Shown) -> list[Drawing]:
         axes.axvspan(
             0.5, STARTUP_CYCLES + 0.5, color=style.MUTED, alpha=0.12, linewidth=0.0
         )
-        last = max(float(number[-1]) for number, _ in replicates if number.size)
+        last = max(float(number.max(initial=0.0)) for number, _ in replicates)
         axes.set_xlim(0.5, last + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
         axes.set_xlabel(in_words_of(scene, "strokes since the start"))

@@ -127,16 +127,16 @@ def seam(angle: Array, depths: list[Array]) -> float:
     It is 0 if nothing is worn there, else the middle of the widest part with little
     wear. Angles are in rad, from 0 to a full turn, depths in m, shape (n,) each.
     """
-    deepest = np.max(
-        [depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0
-    )
+    relative = [depth / depth.max(initial=1e-300) for depth in depths]
+    deepest = np.max(relative, axis=0, initial=0.0)
     is_worn = deepest > max(_BARELY_WORN, float(deepest.min(initial=1.0)))
     if not is_worn.any() or not (is_worn[0] or is_worn[-1]):
         return 0.0
     worn = np.degrees(angle[is_worn])
     gaps = np.diff(worn, append=worn[0] + 360.0)
     k = int(np.argmax(gaps))
-    return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
+    middle = float(worn[k] + 0.5 * gaps[k])
+    return 10.0 * round(middle / 10.0) % 360.0
 
 
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
@@ -293,9 +293,11 @@ def _views(result: Result, joint: str, maps: JointResult) -> list[_View]:
         deepest = float(depth[side].max()) if turns else _deepest(maps)
         centre = float(maps.angle[int(worn.argmax())])
         # The half width holds all depths above a tenth of the deepest.
-        away = np.abs((maps.angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
-        reach = math.degrees(float(away[worn >= 0.1 * worn.max()].max()))
-        half = math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
+        distance = (maps.angle - centre + math.pi) % (2.0 * math.pi) - math.pi
+        is_deep = worn >= 0.1 * worn.max()
+        reach = math.degrees(float(np.abs(distance[is_deep]).max()))
+        degrees = 5.0 * math.ceil(1.2 * reach / 5.0)
+        half = math.radians(min(max(degrees, 10.0), 60.0))
         _, _, width, height = _PROFILES[side]
         # Radial heights with equal scales. The smaller surface sets the scale, because
         # rounding could separate two equal views.

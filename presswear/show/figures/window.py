@@ -98,9 +98,11 @@ class Window:
         With a working zone the angle is written without whole turns.
         """
         turn = 360.0 if self.zone else math.inf
-        axes.xaxis.set_major_formatter(
-            lambda time, place: f"{round(self.degrees(time), 6) % turn:g}"
-        )
+
+        def text(time: float, _: Any) -> str:
+            return f"{round(self.degrees(time), 6) % turn:g}"
+
+        axes.xaxis.set_major_formatter(text)
         since = "" if self.zone else " since the start"
         axes.set_xlabel(f"{self.phase}{since} (degrees)")
 
@@ -108,9 +110,9 @@ class Window:
 def _copy(line: Line2D, source: Axes, target: Axes, zone: Span) -> None:
     """Draw the part of a line in the working zone with its style."""
     x, y = (np.asarray(values, float) for values in line.get_data())
-    line_style: dict[str, Any] = {
-        name: getattr(line, f"get_{name}")() for name in _LINE_STYLE
-    }
+    line_style: dict[str, Any] = {}
+    for name in _LINE_STYLE:
+        line_style[name] = getattr(line, f"get_{name}")()
     if line.get_transform() is not source.transData:  # a line of ``axhline``
         target.axhline(y[0], **line_style)
         return
@@ -135,8 +137,8 @@ def sampled(result: Result, stages: Shown) -> tuple[list[ShownStage], Window]:
     period = scene.mechanism.period
     ends = [float(stage.data.time[-1]) for stage in stages]
     # A cycle counts if it is complete but for 2 %.
-    fewest = min(round((end - scene.run_up) / period - 0.48) for end in ends)
-    first = max(min(STARTUP_CYCLES, fewest - 1), 0)
+    complete = [round((end - scene.run_up) / period - 0.48) for end in ends]
+    first = max(min(STARTUP_CYCLES, min(complete) - 1), 0)
     start = scene.run_up + first * period
     zone = None
     strokes_and_zones = list(filter(None, (_stroke_of(result, s) for s in stages)))

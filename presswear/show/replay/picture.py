@@ -75,7 +75,8 @@ def layout_of(
     usable = 1.0 - HEAD - FOOT
     radius = min(0.34 * usable / max(joints), 0.15 * width) if any(joints) else 0.0
     room = np.array([width - 2.0 * MARGIN - 3.4 * radius, usable])
-    height = max(float(((high - low) / room).max()) for low, high in boxes)
+    sizes = [high - low for low, high in boxes]
+    height = max(float((size / room).max()) for size in sizes)
     panels = []
     for k, ((low, high), number) in enumerate(zip(boxes, joints, strict=True)):
         left = -0.5 * aspect + k * width + MARGIN
@@ -100,7 +101,8 @@ class Picture:
         ]
         counts = [len(shapes.loose_pins(clip.linkage)) for clip in clips]
         self.layout = layout_of(boxes, counts, size[0] / size[1])
-        self._size = max(float(np.hypot(*(high - low))) for low, high in boxes)  # m
+        sizes = [high - low for low, high in boxes]
+        self._size = max(float(np.hypot(*size)) for size in sizes)  # m
         self._bar = shapes.BAR * self._size
         self._font = FONT * size[1] / 640.0
         self.container = exu.SystemContainer()
