@@ -130,10 +130,9 @@ def states_of(linkage: Linkage, ends: Sequence[Start], ideal: Start) -> list[Sta
     and only some of its states may be sensitive to kicks.
     """
     states = [continued(linkage, linkage, end, ideal) for end in ends[:STATES]]
+    one_cycle = Plan(linkage.period, 1, 1, torques=False)
     while len(states) < STATES:
-        run = ENGINE.simulate(
-            linkage, states[-1], Plan(linkage.period, 1, 1, torques=False)
-        )
+        run = ENGINE.simulate(linkage, states[-1], one_cycle)
         states.append(continued(linkage, linkage, run.end, ideal))
     return states
 
@@ -146,9 +145,8 @@ def body_angle(linkage: Linkage, start: Start, k: int) -> float:
 
 def leaves(linkage: Linkage, start: Start, orbit: Array) -> bool:
     """Return whether a motion leaves an orbit or fails; the start-up cycles do not count."""
-    run = ENGINE.simulate(
-        linkage, start, Plan(linkage.period, WATCHED, 1, torques=False)
-    )
+    plan = Plan(linkage.period, WATCHED, 1, torques=False)
+    run = ENGINE.simulate(linkage, start, plan)
     if run.status == "failed":
         return True
     cycles = signatures_of(linkage.clearances, run.recorder.cycles)[STARTUP_CYCLES:]

@@ -83,14 +83,15 @@ class _Campaign:
 
     def run(self) -> Outcome:
         """Run the service life, if the scene has one, and all stages."""
-        if self.runner.scene.life is not None and not self.runner.scene.is_quick:
+        scene = self.runner.scene
+        if scene.life is not None and not scene.is_quick:
             try:
                 self._run_life()
             except KernelError:
                 raise
             except RunFailed as error:
                 return "failed", f"{error}", error.finding
-        for index in range(self.at.index, self.runner.scene.wear_updates + 1):
+        for index in range(self.at.index, scene.wear_updates + 1):
             failure = self._run_stage(index)
             if failure:
                 return failure
@@ -118,9 +119,7 @@ class _Campaign:
     def _run_life(self) -> None:
         """Run or resume the service life, and report it."""
         runner = self.runner
-        scene = self.runner.scene
-        state = self.at.life or LifeState()
-        initial = initial_depth(scene)
+        scene = runner.scene
 
         def report(life: LifeResult) -> None:
             for observer in runner.observers:
@@ -131,7 +130,12 @@ class _Campaign:
                 observer.on_life_start(cycles, seconds)
 
         state, life = run_life(
-            runner, initial, state, lambda life: self._keep(life=life), report, announce
+            runner,
+            initial_depth(scene),
+            self.at.life or LifeState(),
+            keep=lambda life: self._keep(life=life),
+            report=report,
+            announce=announce,
         )
         refinements = state.refinements
         report(life)
@@ -151,7 +155,7 @@ class _Campaign:
     def _run_stage(self, index: int) -> Outcome | None:
         """Run a stage and the wear update after it; return how it failed, or None."""
         runner = self.runner
-        scene = self.runner.scene
+        scene = runner.scene
         at = self.at
         runner.start_stage(index)
         _LOG.info("stage %d begins: %s", index, scene.stage_name(index))
@@ -220,7 +224,7 @@ class _Campaign:
     ) -> Finding | None:
         """Apply a wear update in steps, in refinements up to the tolerance."""
         runner = self.runner
-        scene = self.runner.scene
+        scene = runner.scene
         joints = ensemble.linkage.clearances
         at_end = (index + 1) * cycles
         finding = None
@@ -256,20 +260,17 @@ class _Campaign:
         settling = stage.statistics.settling
         if settling and settling.verdict == "mixed":
             self.unconverged.append(f"{stage.name}: {sentence_of(settling)}")
-        diagnostics = stage.diagnostics.items()
-        steps = {key: value for key, value in diagnostics if key.startswith("steps")}
         reason = stage.message or stage.status
         cycles = stage.statistics.cycles
-        _LOG.info(
-            "stage %d ends: %s, %d cycles, %s", stage.index, reason, cycles, steps
-        )
+        diagnostics = stage.diagnostics.items()
+        steps = {key: value for key, value in diagnostics if key.startswith("steps")}
+        text = "stage %d ends: %s, %d cycles, %s"
+        _LOG.info(text, stage.index, reason, cycles, steps)
         for observer in self.runner.observers:
             observer.on_stage(stage)
-        if self.runner.scene.is_quick and stage.status != "failed":
-            self._add_to_quick_life(stage)
-
-    def _add_to_quick_life(self, stage: StageResult) -> None:
-        """Keep the wear rates of the first stage; report the life after the last one."""
+        if not self.runner.scene.is_quick or stage.failed:
+            return
+        # The wear rates of the first stage are kept for the life after the last one.
         if self.at.new is None:
             self.at = replace(self.at, new=rates_of(self.runner.scene, stage))
             return

@@ -23,14 +23,15 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     """
     levels = {}
     linkage = scene.linkage()
+    has_clearance_limit = not NEW_OVER_CLEARANCE.keys().isdisjoint(limited)
     for k, joint in enumerate(linkage.clearances):
         if isinstance(joint, GuideCorner):
             continue
         surfaces = depth[:, k, :, : joint.bins]  # one for each history
-        levels[f"{joint.name}.depth"] = surfaces.max(axis=(1, 2))
         volumes = [worn_volume(joint, worn) for worn in surfaces]
+        levels[f"{joint.name}.depth"] = surfaces.max(axis=(1, 2))
         levels[f"{joint.name}.wear_volume"] = np.array(volumes)
-        if not NEW_OVER_CLEARANCE.keys().isdisjoint(limited):
+        if has_clearance_limit:
             play = np.array([largest_play(joint, worn) for worn in surfaces])
             levels[f"{joint.name}.radial_clearance"] = 0.5 * play
             levels[f"{joint.name}.diametral_clearance"] = play
@@ -38,10 +39,10 @@ def levels_of(scene: Scene, depth: Array, limited: Sequence[str]) -> dict[str, A
     corners = {corner.guide.name: corner for corner in linkage.corners}
     for guide, walls in walls_of(linkage, depth).items():
         corner = corners[guide]
-        levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
         volumes = [wall_volume(corner, wall) for wall in walls]
-        levels[f"{guide}.wear_volume"] = np.array(volumes)
         tilts = [tilt_between(corner, wall) for wall in walls]
+        levels[f"{guide}.depth"] = walls.max(axis=(1, 2))
+        levels[f"{guide}.wear_volume"] = np.array(volumes)
         levels[f"{guide}.tilt"] = np.array(tilts)
     if "total_clearance" in limited:
         travels = [total_clearance(linkage_on(scene, joints)) for joints in depth]

@@ -5,8 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from presswear.campaign import wear_update
 from presswear.campaign.refinement import LoadBlock, Refinement, Refinements
+from presswear.campaign.wear_update import (
+    WearUpdate,
+    by_joint,
+    by_side,
+    largest_change,
+)
 from presswear.linkage.clearance_joint import ClearanceJoint
 from presswear.results.stage import WearStep
 from presswear.tools.arrays import Array
@@ -18,7 +23,7 @@ def wear_between(
     initial: Array,
     since: float,
     until: float,
-) -> wear_update.WearUpdate:
+) -> WearUpdate:
     """Return the wear between two numbers of strokes, interpolated between ends of blocks.
 
     ``initial`` are the depths of the initial surfaces of all replicates, shape
@@ -39,7 +44,7 @@ def wear_between(
             start = end
     final = wear_at(until)
     added_depth = final.material_loss - wear_at(since).material_loss
-    return wear_update.WearUpdate(final.depth, added_depth, tuple(steps), coarser)
+    return WearUpdate(final.depth, added_depth, tuple(steps), coarser)
 
 
 class _Wear(NamedTuple):
@@ -59,16 +64,15 @@ def _wear_step(
     """Return the wear between two numbers of strokes in a load block."""
     wear = wear_at(end)
     loss = wear.material_loss - wear_at(start).material_loss
-    replicates = len(loss)
     loss_per_cycle = loss.mean(axis=0) / block.cycles
     peak_forces = [block.samples[f"{joint.name}.force_max"].mean() for joint in joints]
     return WearStep(
         cycles_per_update=end - start,
-        cycles=block.cycles * replicates,
+        cycles=block.cycles * len(loss),
         factor=(end - start) / block.cycles,
-        clearance_change=wear_update.largest_change(joints, loss_per_cycle),
-        max_depth=wear_update.by_side(joints, wear.depth.max(axis=3).mean(axis=0)),
-        peak_force=wear_update.by_joint(joints, peak_forces),
+        clearance_change=largest_change(joints, loss_per_cycle),
+        max_depth=by_side(joints, wear.depth.max(axis=3).mean(axis=0)),
+        peak_force=by_joint(joints, peak_forces),
         wall_s=block.wall_s,
     )
 

@@ -56,9 +56,8 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
         peaks[body] = torque, power
         numbers[body] = {}
         for name, values in columns.items():
-            is_peak = name.endswith("peak")
-            value = farthest_from_zero(values) if is_peak else values.mean()
-            numbers[body][name] = float(value)
+            number_of = farthest_from_zero if name.endswith("peak") else np.mean
+            numbers[body][name] = float(number_of(values))
     period = scene.mechanism.period
     if stage.has_clock:
         period = float(durations(scene, stage).mean())

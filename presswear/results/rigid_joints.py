@@ -86,12 +86,12 @@ def ideal_forces(scene: Scene) -> tuple[Array, dict[str, Array]]:
     cycle after the run-up, because the laws of loads follow the motion in the first one.
     """
     linkage = scene.loaded
-    ideal = scene.ideal
     time, is_last = _two_cycles(scene)
-    components = constraint_forces(linkage, ideal, time)[is_last]
+    components = constraint_forces(linkage, scene.ideal, time)[is_last]
     forces = {}
-    for k, pin in enumerate(linkage.revolutes):  # each has two columns, x and y
-        forces[pin.name] = components[:, 2 * k] + 1j * components[:, 2 * k + 1]
+    for k, pin in enumerate(linkage.revolutes):
+        x, y = components[:, 2 * k : 2 * k + 2].T
+        forces[pin.name] = x + 1j * y
     return time[is_last], forces
 
 
