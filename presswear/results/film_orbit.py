@@ -58,14 +58,12 @@ def film_power(load: FilmLoad, orbit: FilmOrbit, film: OilFilm) -> Array:
         orbit.place, size, out=np.ones_like(orbit.place), where=size > 0.0
     )
     on_film = load.force * direction.conj()
-    power = np.zeros(load.time.size)
-    for i, (gap, force) in enumerate(zip(orbit.gap, on_film, strict=True)):
-        along = float(force.real)
-        across = float(force.imag)
-        limited = max(float(gap), _THINNEST)
-        closing, wedge = film_velocity(limited, along, across, film, NO_DAMPING)
-        power[i] = across * wedge - along * closing
-    return power
+    gaps = np.maximum(orbit.gap, _THINNEST).tolist()
+    power = []
+    for gap, force in zip(gaps, on_film.tolist(), strict=True):
+        closing, wedge = film_velocity(gap, force.real, force.imag, film, NO_DAMPING)
+        power.append(force.imag * wedge - force.real * closing)
+    return np.array(power)
 
 
 class OrbitTooStiff(Exception):

@@ -56,10 +56,10 @@ def steady_wear(observed: Observed, new: float, limit: float) -> SteadyWear | No
         Infinite if there is none.
     """
     worn = observed.strokes > 0.0
-    count = int(worn.sum())
-    if count < LEAST_READINGS or np.ptp(observed.strokes[worn]) <= 0.0:
-        return None
     strokes = observed.strokes[worn]
+    count = len(strokes)
+    if count < LEAST_READINGS or np.ptp(strokes) <= 0.0:
+        return None
     growth = observed.values[worn] - new
     weights = observed.weights[worn]
     scale = float(strokes.max())

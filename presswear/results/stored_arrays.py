@@ -4,6 +4,7 @@ A result may come from anybody: what does not fit its scene is refused.
 """
 
 import math
+from itertools import product
 
 import numpy as np
 
@@ -37,11 +38,11 @@ def check_stage(arrays: Arrays, scene: Scene, linkage: Linkage) -> None:
     shapes = _shapes_of_stage(scene, linkage)
     for joint in linkage.clearances:
         shapes |= _shapes_of_joint(joint)
-        if not isinstance(joint, GuideCorner):
-            for side in SIDES:
-                _require(
-                    arrays, f"{joint.name}_depth_{side}", f"{joint.name}_wear_{side}"
-                )
+        if isinstance(joint, GuideCorner):
+            continue
+        for name, side in product(("depth", "wear"), SIDES):
+            shapes[f"{joint.name}_{name}_{side}"] = (joint.bins,)
+            _require(arrays, f"{joint.name}_{name}_{side}")
     for guide in linkage.worn_guides:
         shapes[f"{guide.name}_wall_place"] = (WALL_BINS,)
         for name in ("depth", "wear"):
@@ -87,10 +88,6 @@ def _shapes_of_joint(joint: ClearanceJoint) -> dict[str, Shape]:
     shapes["contacts"] = (f"contacts of {joint.name}", len(CONTACT_COLUMNS))
     shapes["flight"] = ("deviation",)
     shapes["wear_batches"] = ("wear_batch_cycles", len(SIDES), joint.bins)
-    if not isinstance(joint, GuideCorner):
-        for side in SIDES:
-            shapes[f"depth_{side}"] = (joint.bins,)
-            shapes[f"wear_{side}"] = (joint.bins,)
     return {f"{joint.name}_{name}": shape for name, shape in shapes.items()}
 
 

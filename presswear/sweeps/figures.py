@@ -70,12 +70,11 @@ def bars(points: Points, result: Sensitivity) -> list[Drawing]:
     shown = Display(points.response, result.values)
     factor = 1.0 if result.is_share else shown.factor
     sheet, ((axes,),) = style.panels(1, 1, 1.1 + 0.42 * len(rows))
-    pens = [
-        Pen(name, line[0], width=7.0)
-        for name, line in zip(result.names, LINES, strict=False)
-    ]
-    for k, pen in enumerate(pens):
-        y = rows + (k - 0.5 * (len(pens) - 1)) * BAR
+    pens = []
+    for k, name in enumerate(result.names):
+        pen = Pen(name, LINES[k][0], width=7.0)
+        pens.append(pen)
+        y = rows + (k - 0.5 * (len(result.names) - 1)) * BAR
         lengths = factor * np.nan_to_num(result.values[k, order])
         halves = factor * np.nan_to_num(result.half_widths[k, order])
         axes.barh(y, lengths, 0.9 * BAR, color=pen.colour)
@@ -214,18 +213,17 @@ def distribution(
     percent = 100.0 * PROBABILITIES
     pens = [Pen("cumulative probability, 95 % band", *LINES[0])]
     pens[0].draw(axes, shown.factor * spread.values, percent)
-    ends = zip((spread.low, spread.high), axes.get_xlim(), strict=True)
-    low, high = (
-        np.where(np.isnan(end), edge, shown.factor * end) for end, edge in ends
-    )
+    left, right = axes.get_xlim()
+    low = np.where(np.isnan(spread.low), left, shown.factor * spread.low)
+    high = np.where(np.isnan(spread.high), right, shown.factor * spread.high)
     axes.fill_betweenx(
         percent, low, high, color=pens[0].colour, alpha=0.25, linewidth=0.0
     )
     if limit is not None:
-        pens.append(
-            Pen(f"limit {shown.text(limit.value)}", style.REFERENCE, LINES[3][1])
-        )
-        axes.axvline(shown.factor * limit.value, **pens[-1].line_style)
+        name = f"limit {shown.text(limit.value)}"
+        pen = Pen(name, style.REFERENCE, LINES[3][1])
+        axes.axvline(shown.factor * limit.value, **pen.line_style)
+        pens.append(pen)
     axes.set(
         ylim=(0.0, 100.0),
         xlabel=shown.label,

@@ -45,26 +45,28 @@ def write_report(
     for number, (name, rows) in enumerate(_divided(table, plan).items()):
         subfolder = [f"{number}"] if name else []
         figure_folder = inside(folder, "figures", *subfolder)
-        place = f" at {name}" if name else ""
-        start = f"At {name}: " if name else ""
         files = []
         for column in table.responses:
             if not np.isfinite(rows.values[:, rows.index(column.key)]).any():
                 continue
             analysis = analyze(rows, column.key, plan, limits.get(column.key))
-            label = f"{column.key}{place}"
+            label = f"{column.key} at {name}" if name else column.key
+            start = f"At {name}: " if name else ""
             answers += [f"{start}{line}" for line in findings(analysis)]
             if analysis.points.means[analysis.points.has_value].any():
                 numbers.append(_key_number(analysis, label))
             with matplotlib.rc_context(style.SETTINGS):
                 figures = page.illustrated(drawings(analysis), figure_folder)
             files += [figure.file for figure in figures]
-            is_open = len(sections) < OPEN_SECTIONS
-            tables = result_tables(analysis)
-            text = (f"{column.text}.",)
-            sections.append(
-                Section(label, text, tables, figures, analysis.notes, is_open)
+            section = Section(
+                label,
+                (f"{column.text}.",),
+                result_tables(analysis),
+                figures,
+                analysis.notes,
+                is_open=len(sections) < OPEN_SECTIONS,
             )
+            sections.append(section)
         remove_others(figure_folder, files)
     write_bytes(folder / ROWS_FILE, table.csv().encode())
     html = page.render_page(
@@ -123,11 +125,13 @@ def _key_number(analysis: Analysis, name: str) -> page.KeyNumber:
     shown = Display(points.response, points.means)
     low = shown.number(np.nanmin(points.means))
     high = shown.number(np.nanmax(points.means))
-    meaning = f"{points.response.text[:1].upper()}{points.response.text[1:]}: "
-    meaning += (
-        f"smallest and largest mean of {whole(int(points.has_value.sum()))} points."
+    text = points.response.text
+    count = whole(int(points.has_value.sum()))
+    meaning = (
+        f"{text[:1].upper()}{text[1:]}: smallest and largest mean of {count} points."
     )
-    meaning += f" {analysis.failed}." if analysis.failed else ""
+    if analysis.failed:
+        meaning += f" {analysis.failed}."
     if result is not None and not points.is_constant:
         meaning += f" It depends most on {points.parameters[result.order[0]].key}."
     return page.KeyNumber(name, f"{low} to {high} {shown.unit}".strip(), "", meaning)
@@ -171,15 +175,13 @@ def findings(analysis: Analysis) -> list[str]:
     name = f"the {'lower' if limit.is_lower else 'upper'} limit {value} of {key}"
     if spread is not None and spread.violation is not None:
         share = percent_text(spread.violation)
-        text = (
-            f"The probability that {name} is violated is {share}, {spread.source}{end}"
-        )
-    else:
-        rows = points.has_value
-        fewest, most = limit.count(points.means[rows], points.censored[rows])
-        count = whole(fewest) if fewest == most else f"{whole(fewest)} to {whole(most)}"
-        text = f"{count} of {whole(int(rows.sum()))} points violate {name}{end}"
-    return [*lines, text]
+        probability = f"The probability that {name} is violated is {share}"
+        return [*lines, f"{probability}, {spread.source}{end}"]
+    rows = points.has_value
+    fewest, most = limit.count(points.means[rows], points.censored[rows])
+    count = whole(fewest) if fewest == most else f"{whole(fewest)} to {whole(most)}"
+    points_text = f"{count} of {whole(int(rows.sum()))} points"
+    return [*lines, f"{points_text} violate {name}{end}"]
 
 
 def result_tables(analysis: Analysis) -> list[tuple[str, page.Table]]:
@@ -223,9 +225,8 @@ def _sensitivity_table(
     lines = []
     for k in result.order:
         cells = [points.parameters[k].key]
-        for value, half in zip(
-            result.values[:, k], result.half_widths[:, k], strict=True
-        ):
+        pairs = zip(result.values[:, k], result.half_widths[:, k], strict=True)
+        for value, half in pairs:
             text = readable(factor * value)
             if not math.isnan(half):
                 text += f" ± {readable(factor * half, 2)}"
