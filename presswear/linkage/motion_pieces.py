@@ -199,8 +199,9 @@ def _pieces_of_rises(rises: tuple[Rise, ...]) -> Pieces:
 def next_starts(rises: tuple[Rise, ...]) -> list[float]:
     """Return the phase at which the rise after each one starts, rad."""
     starts = [rise.start for rise in rises]
-    following = [start + TURN for start in starts[:1]]  # the first of the next cycle
-    return [*starts[1:], *following]
+    if rises:
+        starts.append(starts[0] + TURN)  # the first rise of the next cycle
+    return starts[1:]
 
 
 def check_table(table: Sequence[Sequence[float]], owner: str) -> None:

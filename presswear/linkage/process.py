@@ -71,7 +71,10 @@ class _Work(Checked):
     @property
     def work(self) -> float:
         """Energy that a stroke takes, J: the area below the curve."""
-        return sum(0.5 * (b[0] - a[0]) * (a[1] + b[1]) for a, b in pairwise(self.curve))
+        area = 0.0
+        for (depth, force), (next_depth, next_force) in pairwise(self.curve):
+            area += 0.5 * (next_depth - depth) * (force + next_force)
+        return area
 
 
 @dataclass(frozen=True)
@@ -227,10 +230,15 @@ def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosi
     if isinstance(process, Coining):
         stop = ((0.0, 0.0), (MAX_DEPTH, process.stiffness * MAX_DEPTH))
         return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
-    steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
-    stroke = table(((-lift, 0.0), *process.curve))
+    slopes = []  # N/m
+    for (depth, force), (next_depth, next_force) in pairwise(process.curve):
+        slopes.append((next_force - force) / (next_depth - depth))
     law = OverPosition(
-        stroke, "against", zero=contact, release=True, unloading=steepest
+        table(((-lift, 0.0), *process.curve)),
+        "against",
+        zero=contact,
+        release=True,
+        unloading=max(slopes),
     )
     laws = {process.kind: law}
     if process.cushion > 0.0:

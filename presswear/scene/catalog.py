@@ -60,8 +60,14 @@ _STUDY: dict[str, Any] = {  # choices of the scenes of the paper
     "engine": "exudyn",
     "max_cycles": 200,
 }
-_IDEAL_TITLE = "The press without clearance, against the closed form"
-ideal = _named("ideal", _IDEAL_TITLE, joints="none", wear_updates=0, cycles=2, **_STUDY)
+ideal = _named(
+    "ideal",
+    "The press without clearance, against the closed form",
+    joints="none",
+    wear_updates=0,
+    cycles=2,
+    **_STUDY,
+)
 
 
 def _paper(
@@ -82,10 +88,21 @@ def _paper(
     return _named(name, title, **changes, origins=origins)
 
 
-_WEAR_TITLE = "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)"
-_FRICTION_TITLE = "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)"
-wear_times = _paper("wear-times", _WEAR_TITLE, 3.5, 0.8e-3, 0.02, wear_updates=2)
-friction = _paper("friction", _FRICTION_TITLE, 6.0, 0.6e-3, 0.05)
+wear_times = _paper(
+    "wear-times",
+    "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)",
+    3.5,
+    0.8e-3,
+    0.02,
+    wear_updates=2,
+)
+friction = _paper(
+    "friction",
+    "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)",
+    6.0,
+    0.6e-3,
+    0.05,
+)
 friction_high = _paper(
     "friction-0.1", "Friction 0.1, else as friction", 6.0, 0.6e-3, 0.1
 )
@@ -95,9 +112,13 @@ speed = _paper(
 speed_high = _paper(
     "speed-8pi", "Cranks at 8 pi rad/s, else as speed", 8.0, 0.8e-3, 0.03
 )
-_TITLE_AT_A = "The press with clearance at A alone"
 clearance_a = _named(
-    "clearance-a", _TITLE_AT_A, wear_times, joints="A", wear_updates=0, cycles=5
+    "clearance-a",
+    "The press with clearance at A alone",
+    wear_times,
+    joints="A",
+    wear_updates=0,
+    cycles=5,
 )
 clearance_c = _named(
     "clearance-c", "The press with clearance at C alone", clearance_a, joints="C"
@@ -105,17 +126,18 @@ clearance_c = _named(
 
 # 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in
 # all.
-_CUTTING_TITLE = "The press cuts a sheet: clearance at A and C, worn once"
-_DRAWING_TITLE = "The press draws a cup over a cushion, worn once"
 press_blanking = _named(
     "press-blanking",
-    _CUTTING_TITLE,
+    "The press cuts a sheet: clearance at A and C, worn once",
     bearings=Bearing(clearance=0.8e-3),
     process=Blanking(),
     cycles_per_update=4e6,
 )
 press_drawing = _named(
-    "press-drawing", _DRAWING_TITLE, press_blanking, process=Drawing(cushion=20.0)
+    "press-drawing",
+    "The press draws a cup over a cushion, worn once",
+    press_blanking,
+    process=Drawing(cushion=20.0),
 )
 
 

@@ -108,13 +108,6 @@ class LifeQuantity(NamedTuple):
     text: str  # description
 
 
-_BDC = "bottom dead centre"
-_BDC_ERROR = f"magnitude of the error of the height of {_BDC}"
-_CLEARANCE = "travel of the output point between an upward and a downward pull"
-_DRIFT = f"magnitude of the change of the mean height of {_BDC} since new"
-_PLAY = "largest play of the worn joint, as a dial gauge or a feeler measures it"
-_TILT = "largest tilt of the slide between the worn walls"
-_FORCE = "peak normal force of a stroke, at a pin or at a corner of a slide, mean over strokes"
 _PIN = ("pin",)
 _ANY = ("pin", "guide")
 # Quantities that can have a limit, by name
@@ -126,18 +119,46 @@ LIFE_QUANTITIES: dict[str, LifeQuantity] = {
         "m^3", _ANY, "worn volume", "worn volume of bearing and pin, or of both walls"
     ),
     "radial_clearance": LifeQuantity(
-        "m", _PIN, "radial clearance", f"half of the {_PLAY}"
+        "m",
+        _PIN,
+        "radial clearance",
+        "half of the largest play of the worn joint, as a dial gauge or a feeler measures it",
     ),
-    "diametral_clearance": LifeQuantity("m", _PIN, "diametral clearance", _PLAY),
-    "force_max": LifeQuantity("N", _ANY, "peak force", _FORCE),
-    "tilt": LifeQuantity("m/m", ("guide",), "tilt", _TILT),
-    "total_clearance": LifeQuantity("m", (), "total clearance", _CLEARANCE),
+    "diametral_clearance": LifeQuantity(
+        "m",
+        _PIN,
+        "diametral clearance",
+        "largest play of the worn joint, as a dial gauge or a feeler measures it",
+    ),
+    "force_max": LifeQuantity(
+        "N",
+        _ANY,
+        "peak force",
+        "peak normal force of a stroke, at a pin or at a corner of a slide, mean over strokes",
+    ),
+    "tilt": LifeQuantity(
+        "m/m", ("guide",), "tilt", "largest tilt of the slide between the worn walls"
+    ),
+    "total_clearance": LifeQuantity(
+        "m",
+        (),
+        "total clearance",
+        "travel of the output point between an upward and a downward pull",
+    ),
     "bdc_error": LifeQuantity(
-        "m", (), f"error of {_BDC}", f"{_BDC_ERROR}, mean over strokes"
+        "m",
+        (),
+        "error of bottom dead centre",
+        "magnitude of the error of the height of bottom dead centre, mean over strokes",
     ),
-    "bdc_drift": LifeQuantity("m", (), f"drift of {_BDC}", _DRIFT),
+    "bdc_drift": LifeQuantity(
+        "m",
+        (),
+        "drift of bottom dead centre",
+        "magnitude of the change of the mean height of bottom dead centre since new",
+    ),
     "repeatability": LifeQuantity(
-        "m", (), "repeatability", f"standard deviation of {_BDC}"
+        "m", (), "repeatability", "standard deviation of bottom dead centre"
     ),
 }
 

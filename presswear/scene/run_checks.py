@@ -39,10 +39,8 @@ def check_torque_limits(
     loaded: Linkage, ideal: IdealMotion, bushings: Sequence[Bushing]
 ) -> None:
     """Raise InputError if a drive without a motor needs more torque than its limit."""
-    if any(
-        drive.torque_limit is not None and drive.motor is None
-        for drive in loaded.drives
-    ):
+    without_motor = [drive for drive in loaded.drives if drive.motor is None]
+    if any(drive.torque_limit is not None for drive in without_motor):
         from presswear.physics.inverse_dynamics import check_drives  # slow import
 
         check_drives(loaded, ideal, bushings)
