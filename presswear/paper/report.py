@@ -6,7 +6,6 @@ from pathlib import Path
 
 import presswear as pw
 from presswear.paper import settings, verdicts
-from presswear.paper.depth_fit import depth_factors, fit
 from presswear.paper.errors import error_table
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawings
@@ -16,6 +15,8 @@ from presswear.paper.tables import (
     SENSITIVE_RATIOS,
     claim_table,
     count_table,
+    depth_factors,
+    fit,
     fit_table,
     geometry_table,
     long_table,

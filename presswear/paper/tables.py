@@ -1,13 +1,13 @@
 """Tables of the report on the paper."""
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
 from presswear.paper import settings, verdicts
-from presswear.paper.depth_fit import depth_factors, fit
 from presswear.paper.evidence import QUANTITIES, Evidence, Measured
 from presswear.paper.printed import (
     DEPTH_RATIOS,
@@ -194,6 +194,37 @@ def geometry_table(evidence: Evidence) -> Table:
         value = printed_text(printed_at(place, quantity))
         lines.append((place_text(place, quantity), value, *texts))
     return plain_table(("", "paper", *GEOMETRIES), lines)
+
+
+def depth_factors(evidence: Evidence, case: str) -> dict[Place, float]:
+    """Return printed depths after a first wear divided by ours."""
+    factors: dict[Place, float] = {}
+    for number in PRINTED:
+        if number.quantity == "depth" and number.place.wear_updates == 1:
+            ours = evidence.estimate(case, number.place, "depth")
+            if ours is not None and ours.mean > 0.0:
+                factors[number.place] = number.value / ours.mean
+    return factors
+
+
+class Fit(NamedTuple):
+    """One factor on K_d / b for all printed depths; nan if there are none."""
+
+    best: float  # geometric mean of all but the doubtful prints
+    # factor between a printed depth and the fit: root mean square of its logarithm
+    typical: float
+    largest: float  # largest factor between a printed depth and the fit
+
+
+def fit(factors: Mapping[Place, float]) -> Fit:
+    """Return the factor on K_d / b that fits best, and the scatter of the printed depths."""
+    certain = [factors[place] for place in factors if place not in DOUBTFUL]
+    if not certain:
+        return Fit(math.nan, math.nan, math.nan)
+    logs = np.log(certain)
+    mean = logs.mean()
+    largest = np.abs(logs - mean).max()
+    return Fit(math.exp(mean), math.exp(logs.std()), math.exp(largest))
 
 
 def fit_table(evidence: Evidence) -> Table:

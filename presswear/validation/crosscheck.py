@@ -10,6 +10,7 @@ one by one up to it, and means over cycles beyond it.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
+from statistics import NormalDist
 from typing import Any
 
 import matplotlib
@@ -24,8 +25,8 @@ from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.show.figures import style
 from presswear.tools.arrays import Array
+from presswear.tools.numbers import readable
 from presswear.validation.cases import Check, Progress, contacts_of, finished, order_of
-from presswear.validation.mean_check import mean_check
 
 # Largest change of a coordinate of the disturbed initial state, m or rad
 DISTURBANCE = 1e-9
@@ -52,6 +53,7 @@ ORDER_BOUND = 0.3
 # Bounds of the tree up to the last of the first touchdowns
 TREE_TIME_BOUND = 1e-8  # s
 TREE_OUTPUT_BOUND = 1e-8  # m
+MEAN_BOUND = 0.1  # largest relative difference of two means over cycles
 INTEGRATOR_BOUND = 1e-10  # s, of the first touchdowns between two in-house integrators
 
 
@@ -393,6 +395,35 @@ def _check_means(scene: Scene, runner: _Runner) -> tuple[list[Check], list[str],
         else:
             undecided.append(compared)
     return checks, undecided, means
+
+
+def mean_check(
+    quantity: str, first: Estimate, second: Estimate, count: int = 1
+) -> Check | str:
+    """Return the check of the relative difference of two means, or a text without a verdict.
+
+    The check passes if the 95 % interval of the difference lies within ``MEAN_BOUND``.
+    It fails if a wider interval lies beyond ``MEAN_BOUND``: the interval that holds for
+    all of ``count`` comparisons with 95 % (Bonferroni). If neither is true, the intervals
+    are too wide for a verdict. The checked number is the end of the interval that is
+    compared with the bound.
+    """
+    size = 0.5 * (abs(first.mean) + abs(second.mean))
+    if first.half_width is None or second.half_width is None or size == 0.0:
+        return f"mean {quantity}: no verdict, too few cycles"
+    difference = abs(first.mean - second.mean) / size
+    half_width = math.hypot(first.half_width, second.half_width) / size
+    upper = difference + half_width
+    if upper <= MEAN_BOUND:
+        return Check(f"mean {quantity}", upper, MEAN_BOUND, "relative")
+    quantile = NormalDist().inv_cdf
+    lower = difference - half_width * quantile(1.0 - 0.025 / count) / quantile(0.975)
+    if lower > MEAN_BOUND:
+        return Check(f"mean {quantity}", lower, MEAN_BOUND, "relative")
+    interval = (
+        f"{readable(100.0 * difference, 2)} ± {readable(100.0 * half_width, 2)} %"
+    )
+    return f"mean {quantity}: no verdict, difference {interval}"
 
 
 _COLOURS = (style.MUTED, "#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")

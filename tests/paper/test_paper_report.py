@@ -11,12 +11,11 @@ from known_results import EVEN, every_evidence, every_result, evidence_of, stage
 
 from presswear.paper import report, run_paper
 from presswear.paper.__main__ import main
-from presswear.paper.depth_fit import depth_factors, fit
 from presswear.paper.evidence import QUANTITIES, Evidence
 from presswear.paper.figures import drawings
 from presswear.paper.printed import CLAIMS, DOUBTFUL, PRINTED, Place
 from presswear.paper.settings import BASE, WEAR
-from presswear.paper.tables import number_table, ratio_table
+from presswear.paper.tables import depth_factors, fit, number_table, ratio_table
 from presswear.paper.verdicts import compared, judge, verdict
 from presswear.paper.words import printed_text
 from presswear.show.page import FirstScreen, render_page

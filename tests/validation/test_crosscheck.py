@@ -17,7 +17,7 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.physics.constraints import constraints_of
 from presswear.validation import crosscheck
 from presswear.validation.cases import Check
-from presswear.validation.mean_check import MEAN_BOUND, mean_check
+from presswear.validation.crosscheck import MEAN_BOUND, mean_check
 
 
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])

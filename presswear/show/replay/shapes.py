@@ -265,10 +265,11 @@ def segments(
     length = np.hypot(*normal.T)
     normal *= (0.5 * width / np.where(length > 0.0, length, 1.0))[:, None]
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
-    return [
-        Shape(np.array([a - n, b - n, b + n, a + n]), triangles, layer, paint)
-        for a, b, n, paint in zip(points[:-1], points[1:], normal, paints, strict=True)
-    ]
+    lines = []
+    for a, b, n, paint in zip(points[:-1], points[1:], normal, paints, strict=True):
+        corners = np.array([a - n, b - n, b + n, a + n])
+        lines.append(Shape(corners, triangles, layer, paint))
+    return lines
 
 
 def line(start: Point, end: Point, width: float, layer: int, paint: Colour) -> Shape:
@@ -306,9 +307,8 @@ def hatched(ends: Array, side: float, bar: float) -> list[Shape]:
 
 def mix(first: Colour, second: Colour, share: float) -> Colour:
     """Return ``first`` with a share, 0 to 1, of ``second``."""
-    return tuple(
-        (1.0 - share) * x + share * y for x, y in zip(first, second, strict=True)
-    )
+    pairs = zip(first, second, strict=True)
+    return tuple((1.0 - share) * x + share * y for x, y in pairs)
 
 
 def bounding_box(linkage: Linkage, positions: Array) -> tuple[Array, Array]:
