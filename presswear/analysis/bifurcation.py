@@ -196,8 +196,8 @@ def run_value(scene: Scene, start: Start, cycles: Cycles, ideal: Start) -> NDArr
     columns = []
     for joint in range(joints):
         first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * joint
-        columns.append(first + SECTION_JOINT_NAMES.index("eccentricity_x"))
-        columns.append(first + SECTION_JOINT_NAMES.index("eccentricity_y"))
+        for name in ("eccentricity_x", "eccentricity_y"):
+            columns.append(first + SECTION_JOINT_NAMES.index(name))
     pins = run.recorder.sections[-cycles.stored :, :, columns]
     row["pins"] = pins.reshape(row["pins"].shape)
     row["numbers"] = run.recorder.cycles[-cycles.stored :]
@@ -261,10 +261,9 @@ class Diagram:
             scales = [scene.bearing(name).clearance for name in scene.clearance_joints]
             states = row.pins / np.array(scales)[:, np.newaxis]
             states = states.reshape(len(row.pins), -1)
-            if np.isnan(states).any():
-                periods.append(None)
-            else:
-                periods.append(periodicity(states, np.ones(states.shape[1])))
+            has_failed = np.isnan(states).any()
+            scale = np.ones(states.shape[1])
+            periods.append(None if has_failed else periodicity(states, scale))
         return periods
 
     @property
@@ -375,18 +374,17 @@ def compute(
     scene.check_trusted()
     scene.check()
     inputs = {"scene": scene.as_dict(), "parameter": parameter, "cycles": cycles}
-    jobs_by_number: dict[int, Any] = {}
+    branches: dict[int, Any] = {}
     for k, values in enumerate((parameter.values, parameter.values[::-1])):
         file = folder / f"{DIRECTIONS[k]}.npz"
-        jobs_by_number[k] = partial(
-            run_branch, scene, parameter.key, values, cycles, initial_state, file
-        )
+        arguments = scene, parameter.key, values, cycles, initial_state, file
+        branches[k] = partial(run_branch, *arguments)
     with only_writer(folder, resume=True):
         _write_document(folder, inputs)
-        count = min(jobs or cores(), len(jobs_by_number))
+        count = min(jobs or cores(), len(branches))
         with Workers(count, (__name__,)) as workers:
             workers.run(
-                jobs_by_number,
+                branches,
                 lambda key, outcome: {},
                 lambda key, share, word, rows: on_progress(DIRECTIONS[key], share),
             )
@@ -420,7 +418,9 @@ def load_diagram(folder: str | Path) -> Diagram:
     cycles = typed(stored["cycles"], Cycles, f"{folder / FILE}: cycles")
     files = {direction: folder / f"{direction}.npz" for direction in DIRECTIONS}
     branches = {
-        word: read_branch(file) for word, file in files.items() if file.exists()
+        direction: read_branch(file)
+        for direction, file in files.items()
+        if file.exists()
     }
     scene = Scene.from_dict(stored["scene"])
     return Diagram(scene, parameter, cycles, branches, stored["provenance"])

@@ -161,7 +161,10 @@ class _Rounds:
         runs = self.state.runs or (None,) * len(self.depth)
         until = self.state.until or until * sets
         self.state = replace(self.state, runs=runs, until=until)
-        self._done = [float(run.cycles if run else 0) for run in runs]
+        self._done = [0.0] * len(runs)
+        for k, run in enumerate(runs):
+            if run is not None:
+                self._done[k] = float(run.cycles)
         self._needed = [max(float(max(until)), before)] * sets
 
     def _deal(self, total: int) -> tuple[int, ...]:

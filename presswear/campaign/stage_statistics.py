@@ -168,7 +168,9 @@ def _joint_statistics(
     The wear of a wall, by both of its corners, is in the statistics of the walls.
     """
     is_corner = isinstance(joint, GuideCorner)
-    wear = (wear.without_wear if is_corner else wear).of_joint(k, joint.bins)
+    if is_corner:
+        wear = wear.without_wear
+    wear = wear.of_joint(k, joint.bins)
     volume = worn_volume(joint, wear.added_depth)
     counters = np.array([recorder.records.counters[k] for recorder in means.recorders])
     contacts = int(counters["contacts"].sum())

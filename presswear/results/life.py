@@ -25,7 +25,9 @@ Ended = Literal["limit", "at_most", "worn", "cycles", "preliminary", "quick"]
 
 
 def _error(sampling: float | None, step: float | None) -> float | None:
-    return None if sampling is None or step is None else math.hypot(sampling, step)
+    if sampling is None or step is None:
+        return None
+    return math.hypot(sampling, step)
 
 
 @dataclass(frozen=True)
@@ -227,7 +229,8 @@ def _half_width_of_ratio(life: LifeResult, reference: LifeResult) -> float:
 
 def digits_of(error: float | None) -> int:
     """Return the digits of a life from the half width of its logarithm."""
-    return 3 if error is None or error < _FINE else 2
+    is_fine = error is None or error < _FINE
+    return 3 if is_fine else 2
 
 
 def span_of(strokes: float, error: float | None) -> str:
@@ -248,4 +251,5 @@ def in_diameter(key: str, value: float) -> str:
 def words_of(key: str) -> str:
     """Return the words for a key, such as ``depth of A``."""
     joint, _, name = key.rpartition(".")
-    return LIFE_QUANTITIES[name].words + (f" of {joint}" if joint else "")
+    words = LIFE_QUANTITIES[name].words
+    return f"{words} of {joint}" if joint else words

@@ -66,9 +66,9 @@ class Effect:
     @property
     def interval(self) -> tuple[float, float] | None:
         """Ends of the interval of the factor; None: unknown."""
-        low = self.factor.low
-        high = self.factor.high
-        return None if low is None or high is None else (low, high)
+        if self.factor.low is None or self.factor.high is None:
+            return None
+        return self.factor.low, self.factor.high
 
     @property
     def verdict(self) -> str:
